@@ -1,0 +1,1940 @@
+/* deepgbuffer.h - layered G-buffers and the shading they make possible - v0.1.0 - MIT or public domain
+
+   Do this:
+       #define DEEPGBUFFER_IMPLEMENTATION
+   before you include this file in *one* C or C++ file. Everywhere else, include it without the define. Include
+   deepgbuffer_gl.h after it for the OpenGL backend; the same define turns on both.
+
+   You may define, before every include:
+       DGB_API       prefix of public functions; default `extern`, may be `static`
+       DGB_ASSERT(c) check of a programming error inside the library; default assert(c)
+
+   WHAT IT IS
+       A G-buffer that keeps, behind each visible surface, the next one that lies at least a *minimum separation*
+       farther away. Built in one pass over your geometry. Ambient occlusion and bounced light then know what stands
+       behind the columns: no halos, no light that vanishes when something walks in front of it.
+       After "Deep G-Buffers for Stable Global Illumination Approximation", Mara, McGuire, Nowrouzezahrai, Luebke, 2016
+       (called "the paper" below).
+
+   WHAT IT DOES NOT
+       - open windows, load files, own a scene graph, or know your materials: you draw, through a callback;
+       - light your scene: you write or compute outgoing radiance, it gathers from that;
+       - composite, tone-map or anti-alias: you get textures;
+       - allocate memory, keep globals, start threads, print, or read the clock;
+       - know any graphics API: that is the backend's work. deepgbuffer_gl.h is one, you can write another.
+
+   QUICK START (every engine, every frame)
+       dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+       dgb_build(&dgb, &view, &q, draw_scene, scene);         all layers, one pass over the geometry
+       ...light the layers: write outgoing radiance into DGB_RADIANCE (or let your materials have done it)
+       dgb_shade(&dgb, &q);                                   occlusion and bounced light
+       ...composite with dgb_get_texture(&dgb, DGB_AO) and dgb_get_texture(&dgb, DGB_IRRADIANCE)
+   With a depth buffer of your own and nothing else: set desc.source = DGB_SOURCE_ENGINE, call dgb_set_layers instead of
+   dgb_build. examples/minimal.c is a whole program; examples/ao_from_depth.c is the shortest use.
+
+   CONVENTIONS
+       Camera space is right-handed and looks down -Z; lengths are metres (any unit will do if you use it everywhere).
+       z is negative in front of the eye; z = 0 marks an empty texel (no surface). Distance means -z.
+       Matrices are float[16], column-major; vectors are columns. Pixels count from the lower left; centres are at +0.5.
+       The projection is that of the image *without* guard band and without jitter; its clip-space z range and direction
+       are stated once in the desc. Off-centre, orthographic, reversed and infinite projections are fine; oblique
+       near planes and skew are refused.
+       Radiance is outgoing, W/(m2 sr): albedo/pi * irradiance + emission. Irradiance is W/m2.
+       Two rules for zero, never mixed: in dgb_desc 0 means "default"; in dgb_params 0 means 0, and dgb_preset fills them.
+
+   DATA FLOW (the order of the code below, of shaders_embedded/ and of the tests)
+       scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
+             -> [pack]        camera z and normals of two layers, radiance of each: 160 bits a pixel
+             -> [mip]         chain made by copying one texel of four, never by averaging
+             -> [ao]          ambient visibility
+             -> [gather]      irradiance + confidence
+             -> [reconstruct] separable bilateral filter over both
+             -> your composite
+       What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
+
+   CHOOSING A CONSTRUCTION
+       oracle     what tells a fragment of layer j where layer j-1 is:
+                  PEEL       this frame's layer j-1. Exact; draws the scene once a layer.
+                  PREVIOUS   last frame's layer j-1 at the same pixel. One pass; wrong where anything moved.
+                  REPROJECT  last frame's layer j-1 at the place where the point was then. One pass; wrong only along
+                             silhouettes of moving things. The default.
+       emission   how one submission reaches all layers: SEPARATE draws, a GEOMETRY shader, or a VERTEX-shader layer with
+                  instancing. AUTO picks what the backend can do and says so in the plan.
+       The first frame, and the frame after a cut or a resize, is always built by peeling, so no layer is ever unfilled.
+       With strict separation (params, on in every preset) the pack pass empties each layer-1 texel that is not more than
+       the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
+
+   WRITING A BACKEND
+       Fill a dgb_backend with `version = DGB_VERSION`, the caps, and the callbacks. The library calls, between
+       `begin` and `end` (both optional: save and restore the host's state there):
+           texture_create / texture_destroy, program_create / program_destroy        in dgb_init, dgb_resize, dgb_shutdown
+           pass_begin, texture_bind*, uniforms_upload, draw_fullscreen, pass_end     a full-screen pass
+           pass_begin, texture_bind*, uniforms_upload, <your draw callback>, pass_end   the layered pass
+       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. textures bound to a pass
+       are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
+       slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
+       valid until the call returns. Handles are opaque to the library; 0 is none.
+
+   NUMERICAL GUARANTEES (unit tests hold every row)
+       function                 domain             error                        at 0, NaN, infinity, out of range
+       dgb_oct16_encode         any float[3]       0.957 deg, axes exact        +Z
+       dgb_oct16_decode         all 65,536 codes   |length - 1| <= 2.4e-7       byte 255 reads as 254
+       dgb_r11g11b10f_pack      any float[3]       2^-7 (r, g), 2^-6 (b) rel.   NaN, negative: 0; above 64512: 64512
+       dgb_half_from_float      any float          2^-11 relative               NaN: 0; beyond +-65504: +-65504
+       dgb_spiral_turns         any int            exact minimiser to 256       n < 1: 0
+       dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
+       dgb_pixel_hash           any int            exact, same in GLSL          -
+       dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
+       dgb_keep_test            any float          exact                        NaN anywhere: false
+       dgb_ao_term              any float          a few ulp                    not finite: 0
+       dgb_gather_term          any float          a few ulp                    not finite, v = 0: 0
+       dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
+       dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
+
+   THREADS
+       No globals. Math functions are pure. One context is used by one thread at a time, on the thread of its device.
+
+   ERRORS
+       Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason is
+       a dgb_log_item and one sentence, given to desc.log.
+
+   LIMITS
+       Layers beyond 1 are built but not shaded yet. Positions beyond 1e15 m count as sky. Geometry-shader emission changes
+       the last bits of depth (clipping), so it is not bit-identical to the others.
+
+   VERSION HISTORY
+       0.1.0  peel, PREVIOUS, REPROJECT; ambient occlusion, one bounce, reconstruction; OpenGL backend
+*/
+
+#ifndef DEEPGBUFFER_H
+#define DEEPGBUFFER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifndef DGB_API
+#define DGB_API extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DGB_VERSION_MAJOR 0
+#define DGB_VERSION_MINOR 1
+#define DGB_VERSION_PATCH 0
+#define DGB_VERSION (DGB_VERSION_MAJOR * 10000 + DGB_VERSION_MINOR * 100 + DGB_VERSION_PATCH)
+
+/* --- limits ------------------------------------------------------------------------------------------------------ */
+
+#define DGB_MAX_SIZE 16384         /* pixels along one side, guard band included */
+#define DGB_MAX_LAYERS 8           /* layers that can be built */
+#define DGB_MAX_SHADED_LAYERS 2    /* layers that the shading reads */
+#define DGB_MAX_TAPS 256           /* taps of one spiral */
+#define DGB_MAX_LEVELS 6           /* levels of the packed MIP chain, level 0 included */
+#define DGB_MAX_FILTER_RADIUS 12   /* reconstruction taps on one side of the centre */
+#define DGB_MAX_DISTANCE 1e15f     /* metres; farther is sky */
+#define DGB_MAX_RADIANCE 64512.0f  /* largest value of the 10-bit float, the narrowest channel stored to */
+#define DGB_ROTATION_COUNT 256     /* rotations of the spiral */
+#define DGB_AO_LOG2_Q 3            /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
+#define DGB_GATHER_LOG2_Q 4        /* radiosity taps within 2^4 = 16 pixels read level 0 */
+#define DGB_MAX_TARGETS 4          /* colour targets of one pass */
+#define DGB_MAX_INPUTS 8           /* textures read by one pass */
+#define DGB_MAX_DEFINES 6
+#define DGB_MAX_PROGRAMS 8
+#define DGB_MAX_PASSES 16
+#define DGB_MAX_TEXTURES 20
+
+/* --- results and log ---------------------------------------------------------------------------------------------- */
+
+typedef enum dgb_result {
+    DGB_OK = 0,
+    DGB_INVALID,       /* an argument is wrong; nothing changed */
+    DGB_UNSUPPORTED,   /* the backend cannot do it; nothing changed */
+    DGB_OUT_OF_MEMORY, /* the device has no room; nothing changed */
+    DGB_DEVICE         /* the device refused for another reason; nothing changed */
+} dgb_result;
+
+/* X(name, sentence): every reason a call can give. */
+#define DGB_LOG_ITEMS(X)                                                                                             \
+    X(NULL_ARGUMENT, "a required pointer is null")                                                                   \
+    X(SIZE, "width and height must be 1 to 16384 pixels")                                                            \
+    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")           \
+    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                       \
+    X(EFFECTS, "effects holds a bit that is not a DGB_EFFECT_*")                                                     \
+    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                           \
+    X(ENUM, "an enum of the desc is out of range")                                                                   \
+    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")        \
+    X(EMISSION, "the backend does not offer this emission")                                                          \
+    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                                 \
+    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                              \
+    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                               \
+    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                     \
+    X(TEXTURE, "the backend could not create a texture")                                                             \
+    X(PROGRAM, "the backend could not create a program")                                                             \
+    X(NOT_INITIALISED, "the context is not initialised")                                                             \
+    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                         \
+    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                                   \
+    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round")     \
+    X(SEPARATION, "separation must be finite and 0 or more")                                                         \
+    X(AO_PARAMS, "ao_radius must be > 0, ao_samples 1 to 256, ao_bias, ao_epsilon and ao_intensity finite and >= 0") \
+    X(GATHER_PARAMS, "radius must be finite and > 0, samples 1 to 256")                                              \
+    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                               \
+    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")              \
+    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                               \
+    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")               \
+    X(INPUT, "a texture that the plan reads was not given")                                                          \
+    X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
+
+typedef enum dgb_log_item {
+    DGB_LOG_NONE = 0,
+#define DGB_LOG_ENUM(name, sentence) DGB_LOG_##name,
+    DGB_LOG_ITEMS(DGB_LOG_ENUM)
+#undef DGB_LOG_ENUM
+    DGB_LOG_COUNT
+} dgb_log_item;
+
+/* Called once for each failure, on the calling thread. `sentence` is static text. */
+typedef void (*dgb_log_fn)(void* user, dgb_result result, dgb_log_item item, const char* sentence);
+
+/* --- what there is to choose -------------------------------------------------------------------------------------- */
+
+enum { /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
+    DGB_EFFECT_AO = 1,       /* ambient occlusion: DGB_AO */
+    DGB_EFFECT_RADIOSITY = 2 /* bounced diffuse light: DGB_IRRADIANCE */
+};
+
+enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
+    DGB_TARGET_ALBEDO = 1,   /* RGBA8: linear albedo, one value of the engine's own */
+    DGB_TARGET_NORMAL = 2,   /* RGBA8: Oct16 camera-space normal, two material values of the engine's own */
+    DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
+    DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
+    DGB_TARGET_ALL = 15
+};
+
+typedef enum dgb_source {
+    DGB_SOURCE_BUILD = 0, /* the library builds the layers: dgb_build */
+    DGB_SOURCE_ENGINE     /* the engine has one or two layers already: dgb_set_layers */
+} dgb_source;
+
+typedef enum dgb_oracle {
+    DGB_ORACLE_DEFAULT = 0, /* REPROJECT */
+    DGB_ORACLE_PEEL,        /* paper, Listing 1 */
+    DGB_ORACLE_PREVIOUS,    /* paper, section 2.2 */
+    DGB_ORACLE_REPROJECT,   /* paper, section 2.2 */
+    DGB_ORACLE_COUNT
+} dgb_oracle;
+
+typedef enum dgb_emission {
+    DGB_EMISSION_AUTO = 0, /* SEPARATE for PEEL or one layer; else VERTEX, GEOMETRY, SEPARATE: the first there is */
+    DGB_EMISSION_SEPARATE, /* one draw callback a layer */
+    DGB_EMISSION_GEOMETRY, /* one draw callback; a geometry shader emits every triangle to every layer */
+    DGB_EMISSION_VERTEX,   /* one draw callback; instances times layers, the vertex shader picks the layer */
+    DGB_EMISSION_COUNT
+} dgb_emission;
+
+typedef enum dgb_clip {
+    DGB_CLIP_NEGATIVE_ONE_TO_ONE = 0, /* OpenGL's default clip-space z range */
+    DGB_CLIP_ZERO_TO_ONE,
+    DGB_CLIP_COUNT
+} dgb_clip;
+
+typedef enum dgb_normals { /* how the engine's own normals come (DGB_SOURCE_ENGINE) */
+    DGB_NORMALS_FROM_DEPTH = 0, /* there are none: derive them from depth */
+    DGB_NORMALS_OCT16,          /* r, g hold dgb_oct16_encode of the camera-space normal */
+    DGB_NORMALS_UNORM,          /* r, g, b hold n * 0.5 + 0.5 */
+    DGB_NORMALS_FLOAT,          /* r, g, b hold n */
+    DGB_NORMALS_COUNT
+} dgb_normals;
+
+typedef enum dgb_senders { /* which of the two surfaces under a tap send light (paper, section 3.2) */
+    DGB_SENDERS_BOTH = 0,  /* every accepted one: the paper's text. Default: no light is thrown away */
+    DGB_SENDERS_STRONGEST, /* the one that sends more, as the authors' demo does */
+    DGB_SENDERS_COUNT
+} dgb_senders;
+
+typedef enum dgb_normaliser { /* what divides the gathered sum */
+    DGB_NORMALISER_BOUNDED = 0, /* E = pi sum(B cos) / max(sum(cos), M/2): never brighter than the brightest sender */
+    DGB_NORMALISER_PAPER,       /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
+    DGB_NORMALISER_COUNT
+} dgb_normaliser;
+
+typedef enum dgb_format {
+    DGB_FORMAT_NONE = 0,
+    DGB_FORMAT_R8,
+    DGB_FORMAT_RG8,
+    DGB_FORMAT_RGBA8,
+    DGB_FORMAT_R11G11B10F,
+    DGB_FORMAT_RG16F,
+    DGB_FORMAT_RGBA16F,
+    DGB_FORMAT_R32F,
+    DGB_FORMAT_RG32F,
+    DGB_FORMAT_D16,
+    DGB_FORMAT_D24,
+    DGB_FORMAT_D32F,
+    DGB_FORMAT_COUNT
+} dgb_format;
+
+/* Every texture there can be. X(enumerator, name): the name is that of the GLSL sampler without its dgb_ prefix. */
+#define DGB_SLOTS(X)                                                                    \
+    /* layers: 2D arrays, one image a layer */                                          \
+    X(DGB_DEPTH, "depth")                                                               \
+    X(DGB_ALBEDO, "albedo")                                                             \
+    X(DGB_NORMAL, "normal")                                                             \
+    X(DGB_RADIANCE, "radiance")                                                         \
+    X(DGB_VELOCITY, "velocity")                                                         \
+    X(DGB_ORACLE, "oracle") /* the depth layers of the previous frame */                \
+    /* the engine's own layers: 2D textures */                                          \
+    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                               \
+    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                               \
+    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                             \
+    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                             \
+    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                         \
+    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                         \
+    /* packed shading input, with MIP levels */                                         \
+    X(DGB_Z, "z")             /* camera z of both layers, 0 where empty */              \
+    X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                \
+    X(DGB_B0, "b0")           /* radiance of layer 0 */                                 \
+    X(DGB_B1, "b1")           /* radiance of layer 1 */                                 \
+    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */ \
+    /* results: raw, after the horizontal filter, final */                              \
+    X(DGB_AO_RAW, "ao_raw")                                                             \
+    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                             \
+    X(DGB_AO_HALF, "ao_half")                                                           \
+    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                           \
+    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                  \
+    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */
+
+typedef enum dgb_slot {
+    DGB_SLOT_NONE = 0,
+#define DGB_SLOT_ENUM(slot, name) slot,
+    DGB_SLOTS(DGB_SLOT_ENUM)
+#undef DGB_SLOT_ENUM
+    DGB_SLOT_COUNT
+} dgb_slot;
+
+typedef enum dgb_pass_id {
+    DGB_PASS_LAYERS = 0,
+    DGB_PASS_PACK,
+    DGB_PASS_MIP,
+    DGB_PASS_AO,
+    DGB_PASS_GATHER,
+    DGB_PASS_RECONSTRUCT,
+    DGB_PASS_COUNT
+} dgb_pass_id;
+
+/* --- handles ------------------------------------------------------------------------------------------------------ */
+
+typedef struct dgb_texture {
+    uint64_t id; /* the backend's own; 0 = none */
+} dgb_texture;
+
+typedef struct dgb_program {
+    uint64_t id; /* the backend's own; 0 = none */
+} dgb_program;
+
+/* --- mathematics: pure functions, each with a GLSL twin of the same name in shaders_embedded/00_common.glsl -------- */
+
+/* Octahedral normal in two snorm bytes, stored biased: byte = q + 127, q in -127..127; x is the low byte. Exact on the
+   six axes. `n` need not have unit length. Zero, NaN, infinite, or |x|+|y|+|z| outside 1e-30..1e30: +Z.
+   Cigolle et al. 2014; the scale 127 instead of 127.5 is what makes the axes exact. */
+DGB_API uint16_t dgb_oct16_encode(const float n[3]);
+/* Unit vector of a code. Byte 255 reads as 254 (snorm -128 and -127 are one value). */
+DGB_API void dgb_oct16_decode(uint16_t code, float n[3]);
+/* Both layers' normals in the four bytes of an RGBA8 texel, r lowest: layer 0 in r, g; layer 1 in b, a (Table 1). */
+DGB_API uint32_t dgb_pack_normals(const float n0[3], const float n1[3]);
+DGB_API void     dgb_unpack_normals(uint32_t packed, float n0[3], float n1[3]);
+
+/* What the shaders store: NaN and negative become 0, above 64512 becomes 64512. By selects, never by min or max. */
+DGB_API float dgb_storable(float x);
+/* R11G11B10F texel of dgb_storable(rgb), rounded to nearest even; r in the low bits. */
+DGB_API uint32_t dgb_r11g11b10f_pack(const float rgb[3]);
+DGB_API void     dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
+/* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
+DGB_API uint16_t dgb_half_from_float(float x);
+DGB_API float    dgb_half_to_float(uint16_t half);
+
+/* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in
+   the polar unit square (paper, Listing 3, which prints n = 1..98; tests/unit regenerates 1..256 from the measure).
+   n > 256: the integer nearest n * (3 - sqrt 5) / 2, the golden section's rotation. n < 1: 0. */
+DGB_API int dgb_spiral_turns(int n);
+/* Tap i of n: {cos theta, sin theta, kappa}, theta = 2 pi kappa tau, kappa = (i + 0.5) / n (paper, section 3.4).
+   i outside 0..n-1 or n < 1: {1, 0, 0}. */
+DGB_API void dgb_spiral_tap(int i, int n, float tap[3]);
+/* Rotation `index` modulo 256 of a whole turn: {cos, sin}. The table that the shaders read. */
+DGB_API void dgb_rotation(int index, float cos_sin[2]);
+/* Which of the 256 rotations a pixel takes in a frame. Integer arithmetic only: the same everywhere. */
+DGB_API int dgb_pixel_hash(int x, int y, int frame);
+
+/* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
+DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
+/* Number of levels for a width x height image: as many as can be copied without clamping, at most DGB_MAX_LEVELS. */
+DGB_API int dgb_mip_levels(int width, int height);
+/* The level-0 pixel that texel p of `level` was copied from (level m texel p copies 2p + (p.y & 1, p.x & 1) of m-1). */
+DGB_API void dgb_mip_source(const int p[2], int level, int source[2]);
+
+/* A projection, reduced to what shaders need. Four vec4 in std140. Fill it with dgb_camera_from_matrix. */
+typedef struct dgb_camera {
+    float linearise[4];  /* z = (l0 + l1 t) / (l2 + l3 t), t = depth - clear depth: exact where depth is dense */
+    float position_z[4]; /* x, y of a point = (pixel * position_z.xy + position_z.zw) * z                         */
+    float position_1[4]; /*                 + (pixel * position_1.xy + position_1.zw)   (0 unless orthographic)   */
+    float footprint[4];  /* pixels a metre at z = f0 / (f1 z + f2); f3 = the depth that means "empty"             */
+} dgb_camera;
+
+/* `projection`: column-major, already widened and jittered; width, height: pixels of the whole buffer.
+   DGB_INVALID, and *camera untouched, when the matrix is not finite, is singular, skewed or oblique, looks down +Z, or
+   has its depth run against `reversed`. */
+DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip, bool reversed,
+                                          dgb_camera* camera);
+/* The projection of the image widened by a guard band and shifted by a jitter (pixels): rows 0 and 1 times
+   size / (size + 2 guard), then the jitter. */
+DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band, const float jitter[2],
+                                  float widened[16]);
+/* Camera z, metres, of a depth-buffer value 0..1. The empty depth, NaN, and what lies beyond 1e15 m or not in front of
+   the eye (perspective): 0. */
+DGB_API float dgb_linear_z(float depth, const dgb_camera* camera);
+/* Camera-space point at a pixel position (centres at +0.5) and camera z. */
+DGB_API void dgb_position(float pixel_x, float pixel_y, float z, const dgb_camera* camera, float point[3]);
+/* Pixels that one metre covers at camera z. 0 where z is not in front of the eye. */
+DGB_API float dgb_pixels_per_metre(float z, const dgb_camera* camera);
+
+/* Whether a fragment at camera z may enter the layer behind z_front: distance > distance of the front + separation.
+   An empty front layer (0) keeps nothing. Paper, Listing 2, line 22. */
+DGB_API bool dgb_keep_test(float z, float z_front, float separation);
+
+/* Occlusion by a surface at offset v from a point with unit normal n: max(0, 1 - v.v/r^2) max(0, (v.n - beta) /
+   sqrt(v.v + epsilon)). inv_r2 = 1/r^2, 1/m^2; beta m; epsilon m^2. Paper, Equation 2. */
+DGB_API float dgb_ao_term(const float v[3], const float n[3], float inv_r2, float beta, float epsilon);
+/* Ambient visibility from the sum of the taps' terms: max(0, 1 - sqrt(pi / count * sum)). Paper, Equation 1. */
+DGB_API float dgb_ambient_visibility(float sum, int count);
+/* Cosine of the light that a surface at offset v with normal n_y sends to a point with normal n_x; 0 when it sends none:
+   farther than the radius, behind the receiver, or (normal_test) facing away. Paper, Equations 4 and 5. */
+DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test);
+/* Irradiance scale: pi / max(sum_cos * k, count / 2), 0 for count = 0; k = 1 bounded, 0 the paper's Equation 4. */
+DGB_API float dgb_gather_scale(float sum_cos, int count, float k);
+/* Reflectance factor that emphasises colour: lerp(unsaturated, saturated, (max - min) / max). (1, 1) conserves energy,
+   (0, 1) is the paper's Equation 7. */
+DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturated);
+/* Weight of a neighbour in the reconstruction: normals n, n2, offset dq (m) between the two points.
+   max(0, 1 - s_n (1 - n.n2)) max(0, 1 - s_p max(|dq.n|, |dq.n2|) / |dq|)^2; the second factor is 1 for dq = 0. */
+DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
+                                   float plane_sharpness);
+
+/* --- parameters of a frame ---------------------------------------------------------------------------------------- */
+
+typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
+    float separation;        /* minimum separation dz of the layers, m; 0 = classic depth peeling */
+    bool  strict_separation; /* empty each layer-1 texel within dz of layer 0 when packing */
+    float guard_fraction;    /* share of the guard band that is shaded, 0..1; multi-bounce light wants more */
+
+    float ao_radius;     /* m */
+    int   ao_samples;    /* taps, 1..256 */
+    float ao_bias;       /* beta / ao_radius; below 0.017 Oct16 normals darken flat planes */
+    float ao_epsilon;    /* epsilon / ao_radius^2 */
+    float ao_intensity;  /* exponent of the visibility; 1 = the paper's */
+    int   ao_min_level;  /* coarsest detail allowed near: minimum MIP level, 0..5 */
+
+    float radius;      /* reach of bounced light, m */
+    int   samples;     /* taps N, 1..256 */
+    bool  normal_test; /* senders must face the receiver (Equation 5, second half) */
+    int   min_level;   /* minimum MIP level, 0..5 */
+
+    int   filter_taps;      /* reconstruction taps in each direction, odd, 1 (off) to 25 */
+    int   filter_step;      /* pixels from tap to tap, 1..8 */
+    float normal_sharpness; /* 0 ignores normals */
+    float plane_sharpness;  /* 0 ignores depth */
+} dgb_params;
+
+typedef enum dgb_preset_id { DGB_PRESET_PERFORMANCE = 0, DGB_PRESET_BALANCED, DGB_PRESET_QUALITY, DGB_PRESET_COUNT } dgb_preset_id;
+
+/* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): scale these
+   three to your scene.
+                     N    filter taps   normal test   min level   guard band shaded
+       PERFORMANCE   13        9            no            3              10 %
+       BALANCED      14       11            yes           2              50 %
+       QUALITY       30       13            yes           0              80 %                                        */
+DGB_API dgb_params dgb_preset(dgb_preset_id id);
+
+/* --- backend ------------------------------------------------------------------------------------------------------ */
+
+typedef struct dgb_caps {
+    int  max_size;                     /* largest texture side, pixels */
+    int  max_layers;                   /* largest array texture */
+    bool clip_zero_to_one;             /* can set DGB_CLIP_ZERO_TO_ONE */
+    bool emission[DGB_EMISSION_COUNT]; /* which emissions work; SEPARATE always must */
+} dgb_caps;
+
+typedef struct dgb_texture_desc {
+    dgb_slot    slot; /* what it is for: a label */
+    dgb_format  format;
+    int         width, height;
+    int         layers;     /* 0: a 2D texture; else a 2D array */
+    int         levels;
+    const void* pixels;     /* first contents of level 0, tightly packed, or null */
+    uint64_t    bytes;      /* all levels and layers */
+} dgb_texture_desc;
+
+typedef struct dgb_define {
+    const char* name;
+    int         value;
+} dgb_define;
+
+typedef struct dgb_program_desc {
+    dgb_pass_id pass;
+    int         define_count;
+    dgb_define  defines[DGB_MAX_DEFINES];
+} dgb_program_desc;
+
+typedef struct dgb_target {
+    dgb_texture texture;
+    int         level;
+    int         layer; /* -1: all layers at once (layered rendering) */
+} dgb_target;
+
+typedef struct dgb_pass {
+    dgb_pass_id id;
+    int         color_count;
+    dgb_target  colors[DGB_MAX_TARGETS];
+    dgb_target  depth;                /* texture.id 0: none */
+    int         x, y, width, height;  /* viewport, pixels of the target */
+    bool        clear;                /* colours to 0, depth to clear_depth */
+    float       clear_depth;
+    bool        reversed;             /* depth test: nearer is greater */
+    dgb_clip    clip;
+} dgb_pass;
+
+typedef struct dgb_backend {
+    int      version; /* DGB_VERSION that it was written for */
+    void*    user;    /* first argument of every callback */
+    dgb_caps caps;
+    void (*begin)(void* user); /* optional: save the host's state, set what every pass expects */
+    void (*end)(void* user);   /* optional: put it back */
+    dgb_result (*texture_create)(void* user, const dgb_texture_desc* desc, dgb_texture* texture);
+    void (*texture_destroy)(void* user, dgb_texture texture);
+    dgb_result (*program_create)(void* user, const dgb_program_desc* desc, dgb_program* program);
+    void (*program_destroy)(void* user, dgb_program program);
+    void (*pass_begin)(void* user, const dgb_pass* pass);
+    /* level >= 0: the pass reads that level only, and sees it as level 0; -1: all levels */
+    void (*texture_bind)(void* user, dgb_slot slot, dgb_texture texture, int level);
+    void (*uniforms_upload)(void* user, const void* std140, size_t size);
+    void (*draw_fullscreen)(void* user, dgb_program program);
+    void (*pass_end)(void* user);
+    void (*marker)(void* user, dgb_pass_id pass, bool begin); /* optional: around all passes of one id */
+} dgb_backend;
+
+/* --- uniforms: std140, one struct a pass --------------------------------------------------------------------------- */
+
+typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders */
+    dgb_camera camera, previous; /* previous: of the frame that the oracle holds */
+    float      distance[4];          /* distance = d0 clip.z + d1 clip.w + d2 */
+    float      previous_distance[4];
+    float      size[4];  /* buffer width and height in pixels, separation in m, depth codes (65535, 16777215; 0 float) */
+    int32_t    layer[4]; /* first layer, layer count, oracle, instance multiplier */
+} dgb_draw_uniforms;
+
+typedef struct dgb_pack_uniforms {
+    dgb_camera camera;
+    float      rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
+    float      separation[4];  /* separation (m; -1: not strict) */
+    int32_t    size[4];        /* buffer width and height */
+} dgb_pack_uniforms;
+
+typedef struct dgb_ao_uniforms {
+    dgb_camera camera;
+    int32_t    size[4];   /* buffer width and height, taps, frame */
+    int32_t    level[4];  /* log2 q, min level, max level */
+    float      radius[4]; /* r (m), 1/r^2, beta (m), epsilon (m^2) */
+    float      scale[4];  /* pi / N, intensity, largest radius in pixels */
+    float      taps[DGB_MAX_TAPS][4];
+} dgb_ao_uniforms;
+
+typedef struct dgb_gather_uniforms {
+    dgb_camera camera;
+    int32_t    size[4];   /* buffer width and height, taps, frame */
+    int32_t    level[4];  /* log2 q, min level, max level */
+    float      radius[4]; /* r (m), r^2, normaliser k, largest radius in pixels */
+    float      taps[DGB_MAX_TAPS][4];
+} dgb_gather_uniforms;
+
+typedef struct dgb_reconstruct_uniforms {
+    dgb_camera camera;
+    int32_t    rect[4];      /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
+    int32_t    axis[4];      /* step in x, step in y, taps on one side */
+    float      sharpness[4]; /* normal, plane */
+    float      weights[DGB_MAX_FILTER_RADIUS + 1][4]; /* x: spatial weight at distance i */
+} dgb_reconstruct_uniforms;
+
+/* --- plan --------------------------------------------------------------------------------------------------------- */
+
+typedef struct dgb_desc { /* 0 means default */
+    int            width, height; /* image, pixels, without guard band */
+    int            guard_band;    /* pixels on every side; default 0 */
+    int            layers;        /* default 2 */
+    uint32_t       effects;       /* DGB_EFFECT_*; default none */
+    uint32_t       targets;       /* DGB_TARGET_*; default all four */
+    dgb_source     source;
+    dgb_oracle     oracle;        /* default REPROJECT (PEEL for one layer, where there is nothing to choose) */
+    dgb_emission   emission;
+    dgb_format     depth_format;  /* D16, D24 or D32F; default D32F */
+    dgb_clip       clip;
+    bool           reversed;      /* nearer is greater */
+    dgb_normals    normals;       /* DGB_SOURCE_ENGINE */
+    bool           world_normals; /* DGB_SOURCE_ENGINE: normals are in world space */
+    dgb_senders    senders;
+    dgb_normaliser normaliser;
+    const dgb_backend* backend;   /* null: dgb_make_plan assumes a device that can do everything */
+    dgb_log_fn     log;           /* may be null */
+    void*          log_user;
+} dgb_desc;
+
+typedef struct dgb_plan_input {
+    dgb_slot name;    /* what the program calls it */
+    dgb_slot texture; /* what is bound there */
+} dgb_plan_input;
+
+typedef struct dgb_plan_pass {
+    dgb_pass_id    id;
+    int            level;   /* MIP: level written. RECONSTRUCT: 0 along x, 1 along y */
+    int            program; /* index into programs; -1 for LAYERS */
+    int            input_count, output_count;
+    dgb_plan_input inputs[DGB_MAX_INPUTS];
+    dgb_slot       outputs[DGB_MAX_TARGETS];
+} dgb_plan_pass;
+
+typedef struct dgb_plan {
+    int              width, height; /* of the buffers: image plus guard band */
+    int              layers, levels;
+    dgb_oracle       oracle;   /* as resolved */
+    dgb_emission     emission; /* as resolved */
+    int              texture_count, program_count, pass_count;
+    dgb_texture_desc textures[DGB_MAX_TEXTURES];
+    dgb_program_desc programs[DGB_MAX_PROGRAMS];
+    dgb_plan_pass    passes[DGB_MAX_PASSES];
+    uint64_t         bytes; /* of all textures */
+} dgb_plan;
+
+/* What dgb_init would create and run: every texture, program and pass, with bytes. Pure: needs no device. Logs and
+   returns DGB_INVALID or DGB_UNSUPPORTED, *plan untouched, for a desc that dgb_init would refuse. */
+DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan);
+
+/* --- context and frame -------------------------------------------------------------------------------------------- */
+
+typedef struct dgb_view {
+    float view[16];       /* world to camera */
+    float projection[16]; /* of the image: no guard band, no jitter */
+    float jitter[2];      /* pixels; added to the widened projection */
+    bool  cut;            /* the camera jumped: last frame is of no use */
+} dgb_view;
+
+typedef struct dgb_draw { /* what the engine's draw callback is told */
+    int          first_layer, layer_count; /* 0, k in a single pass; j, 1 for separate draws */
+    int          instances;                /* multiply your instance count, and attribute divisors, by this */
+    dgb_oracle   oracle;                   /* of this pass: PEEL on first frames */
+    dgb_emission emission;
+    int          width, height;            /* buffer, guard band included */
+    float        view[16], projection[16]; /* projection: widened and jittered; draw with it */
+    float        previous_view[16], previous_projection[16];
+} dgb_draw;
+
+/* Draws every opaque object once, with programs that contain the snippets. The layered target is bound, its viewport set,
+   colour and depth writes on, the depth test set. May change any device state, but draws into the bound target. */
+typedef void (*dgb_draw_fn)(void* user, const dgb_draw* draw);
+
+typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D textures of the plan's buffer size */
+    dgb_texture depth[DGB_MAX_SHADED_LAYERS];    /* depth-buffer values in the desc's convention */
+    dgb_texture normal[DGB_MAX_SHADED_LAYERS];   /* as desc.normals says; unread for DGB_NORMALS_FROM_DEPTH */
+    dgb_texture radiance[DGB_MAX_SHADED_LAYERS]; /* outgoing radiance; read for radiosity only */
+} dgb_layers;
+
+typedef struct dgb_context { /* yours to place; its members are the library's */
+    uint32_t    initialised;
+    dgb_desc    desc;
+    dgb_backend backend;
+    dgb_plan    plan;
+    dgb_texture textures[DGB_SLOT_COUNT];
+    dgb_program programs[DGB_MAX_PROGRAMS];
+    bool        has_layers;   /* something to shade */
+    bool        has_previous; /* the oracle holds a frame */
+    dgb_camera  camera;
+    float       view[16], projection[16]; /* of the last build; the projection widened and jittered */
+} dgb_context;
+
+/* Creates every texture and program of the plan. All or nothing: on failure *context is as before. Do not call it on a
+   live context. DGB_INVALID, DGB_UNSUPPORTED, DGB_OUT_OF_MEMORY, DGB_DEVICE. */
+DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc);
+/* Recreates the textures for another image size. All or nothing: on failure the old ones go on. The next frame is built
+   by peeling. The same size does nothing. */
+DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height);
+/* Destroys all objects. A context that is null, zero or already shut down is ignored. */
+DGB_API void dgb_shutdown(dgb_context* context);
+
+/* Builds the layers: calls `draw` once (single pass) or once a layer. Uses separation of params. */
+DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw, void* user);
+/* Instead of dgb_build: takes the engine's own layers for the next dgb_shade. */
+DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers);
+/* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. */
+DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
+
+/* A texture of the plan, id 0 if the plan has none. Valid until dgb_resize, dgb_shutdown, or, for DGB_DEPTH and
+   DGB_ORACLE, the next dgb_build: the two change places. */
+DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot);
+
+DGB_API const char* dgb_result_name(dgb_result result);      /* "DGB_OK"; "?" out of range, here and below */
+DGB_API const char* dgb_log_item_name(dgb_log_item item);    /* "SIZE" */
+DGB_API const char* dgb_slot_name(dgb_slot slot);            /* "ao_raw" */
+DGB_API const char* dgb_pass_name(dgb_pass_id pass);         /* "gather" */
+DGB_API const char* dgb_format_name(dgb_format format);      /* "RG32F" */
+DGB_API const char* dgb_oracle_name(dgb_oracle oracle);      /* "reproject" */
+DGB_API const char* dgb_emission_name(dgb_emission emission); /* "vertex" */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* DEEPGBUFFER_H */
+
+#if defined(DEEPGBUFFER_IMPLEMENTATION) && !defined(DEEPGBUFFER_IMPLEMENTED)
+#define DEEPGBUFFER_IMPLEMENTED
+
+#include <math.h>
+#include <string.h>
+
+#ifndef DGB_ASSERT
+#include <assert.h>
+#define DGB_ASSERT(c) assert(c)
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function" /* DGB_API static: an engine need not call everything */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* >> numbers: every test of a float is a test of its bits, so that -ffast-math cannot remove it */
+
+#define DGBI_PI 3.14159265358979323846
+
+static uint32_t dgbi_bits(float x) {
+    uint32_t u;
+    memcpy(&u, &x, sizeof u);
+    return u;
+}
+
+static float dgbi_from_bits(uint32_t u) {
+    float x;
+    memcpy(&x, &u, sizeof x);
+    return x;
+}
+
+static bool dgbi_is_nan(float x) { return (dgbi_bits(x) & 0x7fffffffu) > 0x7f800000u; }
+
+static bool dgbi_is_finite(float x) { return (dgbi_bits(x) & 0x7f800000u) != 0x7f800000u; }
+
+static bool dgbi_all_finite(const float* x, int count) {
+    int i;
+    for (i = 0; i < count; ++i)
+        if (!dgbi_is_finite(x[i])) return false;
+    return true;
+}
+
+static int dgbi_clamp(int x, int low, int high) { return x < low ? low : x > high ? high : x; }
+
+static int dgbi_min(int a, int b) { return a < b ? a : b; }
+
+static float dgbi_max0(float x) { return x > 0.0f ? x : 0.0f; }
+
+static float dgbi_dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* >> packing: normals, radiance */
+
+static float dgbi_sign(float x) { return x < 0.0f ? -1.0f : 1.0f; }
+
+static uint32_t dgbi_snorm_byte(float x) { return (uint32_t)((int)floorf(x * 127.0f + 0.5f) + 127); }
+
+static float dgbi_snorm_value(uint32_t byte) { return (float)((int)(byte < 254u ? byte : 254u) - 127) / 127.0f; }
+
+DGB_API uint16_t dgb_oct16_encode(const float n[3]) {
+    const float s = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+    float       x = 0.0f, y = 0.0f;
+    if (dgbi_is_finite(s) && s > 1e-30f && s < 1e30f) {
+        x = n[0] / s;
+        y = n[1] / s;
+        if (n[2] < 0.0f) {
+            const float folded_x = (1.0f - fabsf(y)) * dgbi_sign(x);
+            y                    = (1.0f - fabsf(x)) * dgbi_sign(y);
+            x                    = folded_x;
+        }
+    }
+    return (uint16_t)(dgbi_snorm_byte(x) | dgbi_snorm_byte(y) << 8);
+}
+
+DGB_API void dgb_oct16_decode(uint16_t code, float n[3]) {
+    const float x = dgbi_snorm_value(code & 255u), y = dgbi_snorm_value((uint32_t)code >> 8);
+    const float z        = 1.0f - fabsf(x) - fabsf(y);
+    const float unfold_x = z < 0.0f ? (1.0f - fabsf(y)) * dgbi_sign(x) : x;
+    const float unfold_y = z < 0.0f ? (1.0f - fabsf(x)) * dgbi_sign(y) : y;
+    const float length   = sqrtf(unfold_x * unfold_x + unfold_y * unfold_y + z * z);
+    n[0]                 = unfold_x / length;
+    n[1]                 = unfold_y / length;
+    n[2]                 = z / length;
+}
+
+DGB_API uint32_t dgb_pack_normals(const float n0[3], const float n1[3]) {
+    return (uint32_t)dgb_oct16_encode(n0) | (uint32_t)dgb_oct16_encode(n1) << 16;
+}
+
+DGB_API void dgb_unpack_normals(uint32_t packed, float n0[3], float n1[3]) {
+    dgb_oct16_decode((uint16_t)(packed & 0xffffu), n0);
+    dgb_oct16_decode((uint16_t)(packed >> 16), n1);
+}
+
+DGB_API float dgb_storable(float x) {
+    if (dgbi_is_nan(x) || dgbi_bits(x) >> 31) return 0.0f;
+    return x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE;
+}
+
+/* Unsigned float with a 5-bit exponent (bias 15) and `mantissa` bits, of a finite x >= 0, rounded to nearest even. */
+static uint32_t dgbi_small_float_pack(float x, int mantissa) {
+    const uint32_t bits  = dgbi_bits(x);
+    const int      shift = 23 - mantissa;
+    int            drop;
+    uint32_t       value, half, rest;
+    if (bits >= 0x38800000u) { /* 2^-14 and more: normal. Rebias the exponent, then round off the low bits */
+        value = bits - 0x38000000u;
+        drop  = shift;
+    } else { /* subnormal: the implicit one becomes explicit and moves down */
+        drop = shift + 113 - (int)(bits >> 23);
+        if (drop > 24 + 1) return 0u;
+        value = (bits & 0x7fffffu) | 0x800000u;
+    }
+    half = 1u << (drop - 1);
+    rest = value & ((half << 1) - 1u);
+    value >>= drop;
+    return value + (rest > half || (rest == half && (value & 1u)) ? 1u : 0u);
+}
+
+static float dgbi_small_float_unpack(uint32_t code, int mantissa) {
+    const uint32_t exponent = code >> mantissa, fraction = code & ((1u << mantissa) - 1u);
+    if (exponent == 31u) return dgbi_from_bits(0x7f800000u | fraction << (23 - mantissa));
+    if (exponent == 0u) return (float)fraction / (float)(1u << (14 + mantissa));
+    return dgbi_from_bits((exponent + 112u) << 23 | fraction << (23 - mantissa));
+}
+
+DGB_API uint32_t dgb_r11g11b10f_pack(const float rgb[3]) {
+    return dgbi_small_float_pack(dgb_storable(rgb[0]), 6) | dgbi_small_float_pack(dgb_storable(rgb[1]), 6) << 11 |
+           dgbi_small_float_pack(dgb_storable(rgb[2]), 5) << 22;
+}
+
+DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]) {
+    rgb[0] = dgbi_small_float_unpack(packed & 2047u, 6);
+    rgb[1] = dgbi_small_float_unpack(packed >> 11 & 2047u, 6);
+    rgb[2] = dgbi_small_float_unpack(packed >> 22, 5);
+}
+
+DGB_API uint16_t dgb_half_from_float(float x) {
+    const uint32_t sign = dgbi_bits(x) >> 31 << 15;
+    const float    size = dgbi_from_bits(dgbi_bits(x) & 0x7fffffffu);
+    if (dgbi_is_nan(x)) return 0u;
+    return (uint16_t)(sign | dgbi_small_float_pack(size < 65504.0f ? size : 65504.0f, 10));
+}
+
+DGB_API float dgb_half_to_float(uint16_t half) {
+    const float size = dgbi_small_float_unpack(half & 0x7fffu, 10);
+    return half >> 15 ? -size : size;
+}
+
+/* >> taps: spiral, rotation, MIP level */
+
+/* Minimisers of the discrepancy for n = 1..256; the first 98 are the paper's Listing 3. */
+static const uint8_t dgbi_spiral_turns[DGB_MAX_TAPS] = {
+    1, 1, 2, 3, 2, 5, 2, 3, 2, 3, 3, 5, 5, 3, 4, 7, 5, 5, 7, 9, 8, 5, 5, 7, 7, 7, 8, 5, 8, 11, 12, 7, 10,
+    13, 8, 11, 8, 7, 14, 11, 11, 13, 12, 13, 19, 17, 13, 11, 18, 19, 11, 11, 14, 17, 21, 15, 16, 17, 18,
+    13, 17, 11, 17, 19, 18, 25, 18, 19, 19, 29, 21, 19, 27, 31, 29, 21, 18, 17, 29, 31, 31, 23, 18, 25, 26,
+    25, 23, 19, 34, 19, 27, 21, 25, 39, 29, 17, 21, 27, 29, 27, 30, 19, 37, 29, 29, 31, 41, 29, 30, 23, 31,
+    31, 21, 25, 34, 45, 43, 21, 50, 43, 46, 33, 34, 29, 27, 19, 29, 47, 49, 51, 50, 35, 51, 29, 41, 31, 37,
+    37, 41, 37, 43, 31, 31, 55, 44, 41, 41, 41, 40, 59, 59, 59, 55, 43, 57, 29, 34, 57, 44, 43, 45, 43, 44,
+    45, 49, 49, 46, 71, 64, 47, 50, 63, 66, 31, 47, 65, 49, 49, 50, 41, 50, 41, 67, 51, 68, 55, 71, 69, 40,
+    41, 74, 71, 81, 75, 59, 75, 43, 53, 55, 59, 56, 59, 44, 55, 61, 47, 76, 79, 80, 59, 59, 81, 59, 49, 64,
+    61, 47, 59, 67, 93, 50, 47, 66, 47, 62, 61, 61, 41, 64, 83, 50, 51, 89, 71, 66, 65, 64, 87, 66, 71, 55,
+    65, 92, 51, 93, 73, 68, 91, 76, 67, 98, 55, 68, 55, 107, 75
+};
+
+DGB_API int dgb_spiral_turns(int n) {
+    if (n < 1) return 0;
+    if (n <= DGB_MAX_TAPS) return dgbi_spiral_turns[n - 1];
+    return (int)((double)n * 0.38196601125010515 + 0.5);
+}
+
+DGB_API void dgb_spiral_tap(int i, int n, float tap[3]) {
+    const bool   valid = n >= 1 && i >= 0 && i < n;
+    const double kappa = valid ? ((double)i + 0.5) / (double)n : 0.0;
+    /* only the fraction of a turn matters; taking it in integers keeps it exact */
+    const int64_t half_turns = valid ? (2 * (int64_t)i + 1) * dgb_spiral_turns(n) % (2 * (int64_t)n) : 0;
+    const double  theta      = valid ? DGBI_PI * (double)half_turns / (double)n : 0.0;
+    tap[0]                   = (float)cos(theta);
+    tap[1]                   = (float)sin(theta);
+    tap[2]                   = (float)kappa;
+}
+
+DGB_API void dgb_rotation(int index, float cos_sin[2]) {
+    const double phi = 2.0 * DGBI_PI * (double)(index & (DGB_ROTATION_COUNT - 1)) / DGB_ROTATION_COUNT;
+    cos_sin[0]       = (float)cos(phi);
+    cos_sin[1]       = (float)sin(phi);
+}
+
+DGB_API int dgb_pixel_hash(int x, int y, int frame) {
+    uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u ^ (uint32_t)frame * 0xcb1ab31fu;
+    h          = (h ^ h >> 16) * 0x7feb352du;
+    h          = (h ^ h >> 15) * 0x846ca68bu;
+    return (int)(h >> 24);
+}
+
+DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
+    if (dgbi_is_nan(h) || dgbi_bits(h) >> 31) return min_level;
+    return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - log2_q, min_level, max_level);
+}
+
+DGB_API int dgb_mip_levels(int width, int height) {
+    int levels = 1;
+    while (levels < DGB_MAX_LEVELS && width >> levels && height >> levels) ++levels;
+    return levels;
+}
+
+DGB_API void dgb_mip_source(const int p[2], int level, int source[2]) {
+    const int even = 0xaaaa >> (16 - level), odd = 0x5555 >> (16 - level); /* sums of every other power of two below 2^level */
+    const int a = p[0] & 1, b = p[1] & 1;
+    source[0] = (p[0] << level) + b * even + a * odd;
+    source[1] = (p[1] << level) + a * even + b * odd;
+}
+
+/* >> camera: depth, position */
+
+static float dgbi_clear_depth(bool reversed) { return reversed ? 0.0f : 1.0f; }
+
+/* What the rest of this section can invert: x and y scaled and shifted, z and w functions of z alone. */
+static bool dgbi_projection_ok(const float p[16]) {
+    const bool perspective = p[11] < 0.0f && p[15] == 0.0f, orthographic = p[11] == 0.0f && p[15] > 0.0f;
+    if (!dgbi_all_finite(p, 16) || !(perspective || orthographic)) return false;
+    if (p[1] != 0.0f || p[2] != 0.0f || p[3] != 0.0f || p[4] != 0.0f || p[6] != 0.0f || p[7] != 0.0f) return false;
+    return p[0] != 0.0f && p[5] != 0.0f && (perspective ? p[14] : p[10]) != 0.0f;
+}
+
+/* The sign of d depth / d distance: that of the determinant of rows 2 and 3 for perspective, of -row 2 otherwise. */
+static bool dgbi_depth_grows(const float p[16]) { return p[11] < 0.0f ? p[14] < 0.0f : p[10] < 0.0f; }
+
+static dgb_log_item dgbi_check_projection(const float p[16], bool reversed) {
+    if (!dgbi_all_finite(p, 16)) return DGB_LOG_MATRIX;
+    if (!dgbi_projection_ok(p)) return DGB_LOG_PROJECTION;
+    return dgbi_depth_grows(p) == reversed ? DGB_LOG_DIRECTION : DGB_LOG_NONE;
+}
+
+/* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel and z. */
+static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camera* camera) {
+    const double scale = 2.0 / size, p_x = p[axis * 5], p_z = p[8 + axis], p_1 = p[12 + axis], w_z = p[11], w_1 = p[15];
+    camera->position_z[axis]     = (float)(scale * w_z / p_x);
+    camera->position_z[2 + axis] = (float)((-w_z - p_z) / p_x);
+    camera->position_1[axis]     = (float)(scale * w_1 / p_x);
+    camera->position_1[2 + axis] = (float)((-w_1 - p_1) / p_x);
+}
+
+DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip, bool reversed,
+                                          dgb_camera* camera) {
+    const float* p = projection;
+    /* ndc z = a depth + b, depth = t + clear depth: ndc = a t + c */
+    const double a = clip == DGB_CLIP_ZERO_TO_ONE ? 1.0 : 2.0;
+    const double c = a * (double)dgbi_clear_depth(reversed) + (clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0);
+    if (dgbi_check_projection(p, reversed) != DGB_LOG_NONE || width < 1 || height < 1) return DGB_INVALID;
+    memset(camera, 0, sizeof *camera);
+    /* ndc (w_z z + w_1) = p_z z + p_1, solved for z */
+    camera->linearise[0] = (float)((double)p[14] - c * (double)p[15]);
+    camera->linearise[1] = (float)(-a * (double)p[15]);
+    camera->linearise[2] = (float)(c * (double)p[11] - (double)p[10]);
+    camera->linearise[3] = (float)(a * (double)p[11]);
+    dgbi_unproject_axis(p, 0, width, camera);
+    dgbi_unproject_axis(p, 1, height, camera);
+    camera->footprint[0] = 0.5f * fabsf(p[5]) * (float)height;
+    camera->footprint[1] = p[11];
+    camera->footprint[2] = p[15];
+    camera->footprint[3] = dgbi_clear_depth(reversed);
+    return DGB_OK;
+}
+
+DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band, const float jitter[2],
+                                  float widened[16]) {
+    const double size[2] = {(double)width + 2.0 * guard_band, (double)height + 2.0 * guard_band};
+    const double scale[2] = {width / size[0], height / size[1]};
+    int          row, column;
+    for (column = 0; column < 4; ++column) {
+        const double w = projection[column * 4 + 3];
+        for (row = 0; row < 2; ++row)
+            widened[column * 4 + row] =
+                (float)((double)projection[column * 4 + row] * scale[row] + 2.0 * (double)jitter[row] / size[row] * w);
+        widened[column * 4 + 2] = projection[column * 4 + 2];
+        widened[column * 4 + 3] = projection[column * 4 + 3];
+    }
+}
+
+DGB_API float dgb_linear_z(float depth, const dgb_camera* camera) {
+    const float* l = camera->linearise;
+    const float  t = depth - camera->footprint[3];
+    const float  w = l[2] + l[3] * t;
+    const float  z = w != 0.0f ? (l[0] + l[1] * t) / w : 0.0f;
+    const bool   perspective = camera->footprint[1] != 0.0f;
+    if (!dgbi_is_finite(z) || t == 0.0f || fabsf(z) > DGB_MAX_DISTANCE || (perspective && z >= 0.0f)) return 0.0f;
+    return z;
+}
+
+DGB_API void dgb_position(float pixel_x, float pixel_y, float z, const dgb_camera* camera, float point[3]) {
+    const float *pz = camera->position_z, *p1 = camera->position_1;
+    point[0] = (pixel_x * pz[0] + pz[2]) * z + (pixel_x * p1[0] + p1[2]);
+    point[1] = (pixel_y * pz[1] + pz[3]) * z + (pixel_y * p1[1] + p1[3]);
+    point[2] = z;
+}
+
+DGB_API float dgb_pixels_per_metre(float z, const dgb_camera* camera) {
+    const float w = camera->footprint[1] * z + camera->footprint[2];
+    return dgbi_is_finite(w) && w > 0.0f ? camera->footprint[0] / w : 0.0f;
+}
+
+/* >> layers: keep test */
+
+DGB_API bool dgb_keep_test(float z, float z_front, float separation) {
+    if (dgbi_is_nan(z) || dgbi_is_nan(z_front) || dgbi_is_nan(separation)) return false;
+    return z_front != 0.0f && -z > -z_front + separation;
+}
+
+/* >> ambient occlusion and radiosity: the terms */
+
+DGB_API float dgb_ao_term(const float v[3], const float n[3], float inv_r2, float beta, float epsilon) {
+    const float d2     = dgbi_dot(v, v);
+    const float length = sqrtf(d2 + epsilon);
+    const float cosine = length > 0.0f ? (dgbi_dot(v, n) - beta) / length : 0.0f;
+    const float term   = dgbi_max0(1.0f - d2 * inv_r2) * dgbi_max0(cosine);
+    return dgbi_is_finite(term) ? term : 0.0f;
+}
+
+DGB_API float dgb_ambient_visibility(float sum, int count) {
+    if (count < 1 || dgbi_is_nan(sum)) return 1.0f;
+    return dgbi_max0(1.0f - sqrtf((float)DGBI_PI / (float)count * dgbi_max0(sum)));
+}
+
+DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test) {
+    const float d2     = dgbi_dot(v, v);
+    const float cosine = d2 > 0.0f ? dgbi_dot(v, n_x) / sqrtf(d2) : 0.0f;
+    if (!dgbi_is_finite(cosine) || !(d2 <= r2) || !(cosine > 0.0f)) return 0.0f;
+    if (normal_test && !(dgbi_dot(v, n_y) < 0.0f)) return 0.0f;
+    return cosine;
+}
+
+DGB_API float dgb_gather_scale(float sum_cos, int count, float k) {
+    const float cosines = sum_cos * k, half = 0.5f * (float)count;
+    if (count < 1) return 0.0f;
+    return (float)DGBI_PI / (cosines > half ? cosines : half);
+}
+
+DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturated) {
+    const float high = dgbi_max0(fmaxf(albedo[0], fmaxf(albedo[1], albedo[2])));
+    const float low  = dgbi_max0(fminf(albedo[0], fminf(albedo[1], albedo[2])));
+    const float s    = dgbi_is_finite(high) && high > low ? (high - low) / high : 0.0f;
+    return unsaturated + (saturated - unsaturated) * s;
+}
+
+DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
+                                   float plane_sharpness) {
+    const float normal = dgbi_max0(1.0f - normal_sharpness * (1.0f - dgbi_dot(n, n2)));
+    const float d2     = dgbi_dot(dq, dq);
+    const float off    = fmaxf(fabsf(dgbi_dot(dq, n)), fabsf(dgbi_dot(dq, n2)));
+    const float plane  = d2 > 0.0f ? dgbi_max0(1.0f - plane_sharpness * off / sqrtf(d2)) : 1.0f;
+    const float weight = normal * plane * plane;
+    return dgbi_is_finite(weight) ? weight : 0.0f;
+}
+
+/* >> parameters: presets, checks */
+
+DGB_API dgb_params dgb_preset(dgb_preset_id id) {
+    static const struct {
+        int   samples, filter_taps, min_level;
+        bool  normal_test;
+        float guard_fraction;
+    } table[DGB_PRESET_COUNT] = {{13, 9, 3, false, 0.1f}, {14, 11, 2, true, 0.5f}, {30, 13, 0, true, 0.8f}};
+    const int  row = (int)id >= 0 && id < DGB_PRESET_COUNT ? (int)id : (int)DGB_PRESET_BALANCED;
+    dgb_params p;
+    memset(&p, 0, sizeof p);
+    p.separation        = 0.5f;
+    p.strict_separation = true;
+    p.guard_fraction    = table[row].guard_fraction;
+    p.ao_radius         = 1.0f;
+    p.ao_samples        = 16;
+    p.ao_bias           = 0.02f;
+    p.ao_epsilon        = 0.001f;
+    p.ao_intensity      = 1.0f;
+    p.radius            = 7.4f;
+    p.samples           = table[row].samples;
+    p.normal_test       = table[row].normal_test;
+    p.min_level         = table[row].min_level;
+    p.filter_taps       = table[row].filter_taps;
+    p.filter_step       = 1;
+    p.normal_sharpness  = 4.0f;
+    p.plane_sharpness   = 8.0f;
+    return p;
+}
+
+static bool dgbi_at_least(float x, float low) { return dgbi_is_finite(x) && x >= low; }
+
+static bool dgbi_in_range(int x, int low, int high) { return x >= low && x <= high; }
+
+static dgb_log_item dgbi_check_params(const dgb_params* p) {
+    if (!dgbi_at_least(p->separation, 0.0f)) return DGB_LOG_SEPARATION;
+    if (!dgbi_at_least(p->guard_fraction, 0.0f) || p->guard_fraction > 1.0f) return DGB_LOG_GUARD_FRACTION;
+    if (!dgbi_at_least(p->ao_radius, 1e-15f) || !dgbi_in_range(p->ao_samples, 1, DGB_MAX_TAPS) ||
+        !dgbi_at_least(p->ao_bias, 0.0f) || !dgbi_at_least(p->ao_epsilon, 0.0f) || !dgbi_at_least(p->ao_intensity, 0.0f))
+        return DGB_LOG_AO_PARAMS;
+    if (!dgbi_at_least(p->radius, 1e-15f) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
+    if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
+        return DGB_LOG_MIP_PARAMS;
+    if (!dgbi_in_range(p->filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1) || p->filter_taps % 2 == 0 ||
+        !dgbi_in_range(p->filter_step, 1, 8) || !dgbi_at_least(p->normal_sharpness, 0.0f) ||
+        !dgbi_at_least(p->plane_sharpness, 0.0f))
+        return DGB_LOG_FILTER_PARAMS;
+    return DGB_LOG_NONE;
+}
+
+/* >> names */
+
+DGB_API const char* dgb_result_name(dgb_result result) {
+    static const char* const names[] = {"DGB_OK", "DGB_INVALID", "DGB_UNSUPPORTED", "DGB_OUT_OF_MEMORY", "DGB_DEVICE"};
+    return dgbi_in_range((int)result, 0, DGB_DEVICE) ? names[result] : "?";
+}
+
+DGB_API const char* dgb_log_item_name(dgb_log_item item) {
+#define DGBI_NAME(name, sentence) #name,
+    static const char* const names[] = {"NONE", DGB_LOG_ITEMS(DGBI_NAME)};
+#undef DGBI_NAME
+    return dgbi_in_range((int)item, 0, DGB_LOG_COUNT - 1) ? names[item] : "?";
+}
+
+DGB_API const char* dgb_slot_name(dgb_slot slot) {
+#define DGBI_NAME(slot, name) name,
+    static const char* const names[] = {"none", DGB_SLOTS(DGBI_NAME)};
+#undef DGBI_NAME
+    return dgbi_in_range((int)slot, 0, DGB_SLOT_COUNT - 1) ? names[slot] : "?";
+}
+
+DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
+    static const char* const names[] = {"layers", "pack", "mip", "ao", "gather", "reconstruct"};
+    return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
+}
+
+/* One row a format: name, bytes a texel. */
+static const struct {
+    const char* name;
+    int         bytes;
+} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},   {"RG8", 2},   {"RGBA8", 4}, {"R11G11B10F", 4}, {"RG16F", 4},
+                                    {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"D16", 2},   {"D24", 4},        {"D32F", 4}};
+
+DGB_API const char* dgb_format_name(dgb_format format) {
+    return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
+}
+
+DGB_API const char* dgb_oracle_name(dgb_oracle oracle) {
+    static const char* const names[] = {"default", "peel", "previous", "reproject"};
+    return dgbi_in_range((int)oracle, 0, DGB_ORACLE_COUNT - 1) ? names[oracle] : "?";
+}
+
+DGB_API const char* dgb_emission_name(dgb_emission emission) {
+    static const char* const names[] = {"auto", "separate", "geometry", "vertex"};
+    return dgbi_in_range((int)emission, 0, DGB_EMISSION_COUNT - 1) ? names[emission] : "?";
+}
+
+/* >> plan: what a desc asks for, as data */
+
+static dgb_result dgbi_fail(const dgb_desc* desc, dgb_result result, dgb_log_item item) {
+#define DGBI_SENTENCE(name, sentence) sentence,
+    static const char* const sentences[] = {"", DGB_LOG_ITEMS(DGBI_SENTENCE)};
+#undef DGBI_SENTENCE
+    if (desc && desc->log) desc->log(desc->log_user, result, item, sentences[item]);
+    return result;
+}
+
+static uint32_t dgbi_required_targets(uint32_t effects) {
+    uint32_t targets = 0;
+    if (effects) targets |= DGB_TARGET_NORMAL;
+    if (effects & DGB_EFFECT_RADIOSITY) targets |= DGB_TARGET_RADIANCE;
+    return targets;
+}
+
+static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
+    const uint32_t targets    = d->targets ? d->targets : (uint32_t)DGB_TARGET_ALL;
+    const int      max_size   = d->backend ? dgbi_min(d->backend->caps.max_size, DGB_MAX_SIZE) : DGB_MAX_SIZE;
+    const int      max_layers = d->source == DGB_SOURCE_ENGINE ? DGB_MAX_SHADED_LAYERS : DGB_MAX_LAYERS;
+    if (!dgbi_in_range(d->width, 1, DGB_MAX_SIZE) || !dgbi_in_range(d->height, 1, DGB_MAX_SIZE)) return DGB_LOG_SIZE;
+    if (!dgbi_in_range(d->guard_band, 0, DGB_MAX_SIZE) || d->width + 2 * d->guard_band > max_size ||
+        d->height + 2 * d->guard_band > max_size)
+        return DGB_LOG_GUARD_BAND;
+    if (!dgbi_in_range(d->layers, 0, max_layers) || (d->backend && d->layers > d->backend->caps.max_layers))
+        return DGB_LOG_LAYERS;
+    if (d->effects & ~(uint32_t)(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) return DGB_LOG_EFFECTS;
+    if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) || !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
+        !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) || !dgbi_in_range((int)d->clip, 0, DGB_CLIP_COUNT - 1) ||
+        !dgbi_in_range((int)d->normals, 0, DGB_NORMALS_COUNT - 1) ||
+        !dgbi_in_range((int)d->senders, 0, DGB_SENDERS_COUNT - 1) ||
+        !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
+        (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
+        return DGB_LOG_ENUM;
+    if (d->source == DGB_SOURCE_ENGINE) return d->oracle || d->emission || d->targets ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
+    if ((targets & ~(uint32_t)DGB_TARGET_ALL) || (dgbi_required_targets(d->effects) & ~targets)) return DGB_LOG_TARGETS;
+    if (d->oracle == DGB_ORACLE_PEEL && d->emission > DGB_EMISSION_SEPARATE) return DGB_LOG_PEEL_EMISSION;
+    return DGB_LOG_NONE;
+}
+
+static dgb_log_item dgbi_check_caps(const dgb_desc* d) {
+    if (!d->backend || d->source == DGB_SOURCE_ENGINE) return DGB_LOG_NONE;
+    if (d->emission && !d->backend->caps.emission[d->emission]) return DGB_LOG_EMISSION;
+    if (d->clip == DGB_CLIP_ZERO_TO_ONE && !d->backend->caps.clip_zero_to_one) return DGB_LOG_CLIP;
+    return DGB_LOG_NONE;
+}
+
+static dgb_emission dgbi_choose_emission(const dgb_desc* d) {
+    if (d->emission) return d->emission;
+    if (d->oracle == DGB_ORACLE_PEEL || d->layers == 1) return DGB_EMISSION_SEPARATE;
+    if (!d->backend || d->backend->caps.emission[DGB_EMISSION_VERTEX]) return DGB_EMISSION_VERTEX;
+    return d->backend->caps.emission[DGB_EMISSION_GEOMETRY] ? DGB_EMISSION_GEOMETRY : DGB_EMISSION_SEPARATE;
+}
+
+static void dgbi_resolve_defaults(dgb_desc* d) {
+    if (!d->layers) d->layers = 2;
+    if (!d->depth_format) d->depth_format = DGB_FORMAT_D32F;
+    if (d->source == DGB_SOURCE_ENGINE) return;
+    if (!d->targets) d->targets = DGB_TARGET_ALL;
+    if (!d->oracle) d->oracle = d->layers == 1 ? DGB_ORACLE_PEEL : DGB_ORACLE_REPROJECT;
+    d->emission = dgbi_choose_emission(d);
+}
+
+static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
+    dgb_texture_desc* t = &plan->textures[plan->texture_count++];
+    int               level;
+    DGB_ASSERT(plan->texture_count <= DGB_MAX_TEXTURES);
+    t->slot   = slot;
+    t->format = format;
+    t->width  = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : plan->width;
+    t->height = slot == DGB_ROTATIONS ? 1 : plan->height;
+    t->layers = layers;
+    t->levels = levels;
+    for (level = 0; level < levels; ++level)
+        t->bytes += (uint64_t)(t->width >> level) * (uint64_t)(t->height >> level) * (uint64_t)(layers ? layers : 1) *
+                    (uint64_t)dgbi_formats[format].bytes;
+    plan->bytes += t->bytes;
+}
+
+static int dgbi_add_program(dgb_plan* plan, dgb_pass_id pass) {
+    DGB_ASSERT(plan->program_count < DGB_MAX_PROGRAMS);
+    plan->programs[plan->program_count].pass = pass;
+    return plan->program_count++;
+}
+
+static void dgbi_add_define(dgb_plan* plan, const char* name, int value) {
+    dgb_program_desc* program = &plan->programs[plan->program_count - 1];
+    DGB_ASSERT(program->define_count < DGB_MAX_DEFINES);
+    program->defines[program->define_count].name  = name;
+    program->defines[program->define_count].value = value;
+    ++program->define_count;
+}
+
+static dgb_plan_pass* dgbi_add_pass(dgb_plan* plan, dgb_pass_id id, int level, int program) {
+    dgb_plan_pass* pass = &plan->passes[plan->pass_count++];
+    DGB_ASSERT(plan->pass_count <= DGB_MAX_PASSES);
+    pass->id      = id;
+    pass->level   = level;
+    pass->program = program;
+    return pass;
+}
+
+static void dgbi_add_input_as(dgb_plan_pass* pass, dgb_slot name, dgb_slot texture) {
+    DGB_ASSERT(pass->input_count < DGB_MAX_INPUTS);
+    pass->inputs[pass->input_count].name    = name;
+    pass->inputs[pass->input_count].texture = texture;
+    ++pass->input_count;
+}
+
+static void dgbi_add_input(dgb_plan_pass* pass, dgb_slot slot) { dgbi_add_input_as(pass, slot, slot); }
+
+static void dgbi_add_output(dgb_plan_pass* pass, dgb_slot slot) {
+    DGB_ASSERT(pass->output_count < DGB_MAX_TARGETS);
+    pass->outputs[pass->output_count++] = slot;
+}
+
+static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
+    static const struct {
+        uint32_t   target;
+        dgb_slot   slot;
+        dgb_format format;
+    } colors[] = {{DGB_TARGET_ALBEDO, DGB_ALBEDO, DGB_FORMAT_RGBA8},
+                  {DGB_TARGET_NORMAL, DGB_NORMAL, DGB_FORMAT_RGBA8},
+                  {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
+                  {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
+    size_t         i;
+    dgbi_add_texture(plan, DGB_DEPTH, d->depth_format, d->layers, 1);
+    for (i = 0; i < sizeof colors / sizeof colors[0]; ++i)
+        if (d->targets & colors[i].target) {
+            dgbi_add_texture(plan, colors[i].slot, colors[i].format, d->layers, 1);
+            dgbi_add_output(pass, colors[i].slot);
+        }
+    if (d->layers == 1) return; /* nothing to compare with */
+    if (d->oracle == DGB_ORACLE_PEEL) {
+        dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+    } else {
+        dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, d->layers, 1);
+        dgbi_add_input(pass, DGB_ORACLE);
+    }
+}
+
+static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pass* pass) {
+    static const dgb_slot depth[] = {DGB_ENGINE_DEPTH0, DGB_ENGINE_DEPTH1}, normal[] = {DGB_ENGINE_NORMAL0, DGB_ENGINE_NORMAL1},
+                          light[] = {DGB_ENGINE_RADIANCE0, DGB_ENGINE_RADIANCE1};
+    int layer;
+    if (d->source == DGB_SOURCE_BUILD) {
+        dgbi_add_input(pass, DGB_DEPTH);
+        dgbi_add_input(pass, DGB_NORMAL);
+        if (radiance) dgbi_add_input(pass, DGB_RADIANCE);
+        return;
+    }
+    for (layer = 0; layer < d->layers; ++layer) {
+        dgbi_add_input(pass, depth[layer]);
+        if (d->normals != DGB_NORMALS_FROM_DEPTH) dgbi_add_input(pass, normal[layer]);
+        if (radiance) dgbi_add_input(pass, light[layer]);
+    }
+}
+
+static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radiance, int layers) {
+    dgbi_add_output(pass, DGB_Z);
+    if (normals) dgbi_add_output(pass, DGB_NORMALS);
+    if (radiance) dgbi_add_output(pass, DGB_B0);
+    if (radiance && layers > 1) dgbi_add_output(pass, DGB_B1);
+}
+
+static void dgbi_plan_pack(const dgb_desc* d, int layers, dgb_plan* plan) {
+    const bool     radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    const int      program  = dgbi_add_program(plan, DGB_PASS_PACK);
+    dgb_plan_pass* pass     = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
+    dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+    dgbi_add_define(plan, "DGB_NORMALS_FORMAT", d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
+    dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
+    dgbi_add_texture(plan, DGB_Z, layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F, 0, plan->levels);
+    dgbi_add_texture(plan, DGB_NORMALS, layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0, radiance ? plan->levels : 1);
+    if (radiance) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, plan->levels);
+    if (radiance && layers > 1) dgbi_add_texture(plan, DGB_B1, DGB_FORMAT_R11G11B10F, 0, plan->levels);
+    dgbi_plan_pack_inputs(d, radiance, pass);
+    dgbi_add_packed_outputs(pass, true, radiance, layers);
+}
+
+/* Occlusion taps read z alone; radiosity reads everything at every level. */
+static void dgbi_plan_mip(const dgb_desc* d, int layers, dgb_plan* plan) {
+    const bool radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    int        program, level, i;
+    if (plan->levels == 1) return;
+    program = dgbi_add_program(plan, DGB_PASS_MIP);
+    dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
+    for (level = 1; level < plan->levels; ++level) {
+        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_MIP, level, program);
+        dgbi_add_packed_outputs(pass, radiance, radiance, layers);
+        for (i = 0; i < pass->output_count; ++i) dgbi_add_input(pass, pass->outputs[i]);
+    }
+}
+
+static void dgbi_plan_ao(int layers, dgb_plan* plan) {
+    const int      program = dgbi_add_program(plan, DGB_PASS_AO);
+    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
+    dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
+    dgbi_add_input(pass, DGB_Z);
+    dgbi_add_input(pass, DGB_NORMALS);
+    dgbi_add_input(pass, DGB_ROTATIONS);
+    dgbi_add_output(pass, DGB_AO_RAW);
+}
+
+/* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
+static void dgbi_plan_gather(const dgb_desc* d, int layers, dgb_plan* plan) {
+    const int      program = plan->program_count;
+    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_GATHER, 0, program);
+    int            normal_test;
+    for (normal_test = 0; normal_test < 2; ++normal_test) {
+        dgbi_add_program(plan, DGB_PASS_GATHER);
+        dgbi_add_define(plan, "DGB_LAYERS", layers);
+        dgbi_add_define(plan, "DGB_NORMAL_TEST", normal_test);
+        dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
+    }
+    dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_input(pass, DGB_Z);
+    dgbi_add_input(pass, DGB_NORMALS);
+    dgbi_add_input(pass, DGB_B0);
+    if (layers > 1) dgbi_add_input(pass, DGB_B1);
+    dgbi_add_input(pass, DGB_ROTATIONS);
+    dgbi_add_output(pass, DGB_IRRADIANCE_RAW);
+}
+
+static void dgbi_plan_reconstruct(const dgb_desc* d, dgb_plan* plan) {
+    static const dgb_slot ao[]         = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
+    static const dgb_slot irradiance[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
+    const bool            has_ao = (d->effects & DGB_EFFECT_AO) != 0, has_light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    const int             program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
+    int                   axis;
+    dgbi_add_define(plan, "DGB_FILTER_AO", has_ao);
+    dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", has_light);
+    for (axis = 0; axis < 2; ++axis) {
+        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
+        dgbi_add_input(pass, DGB_Z);
+        dgbi_add_input(pass, DGB_NORMALS);
+        if (has_ao) {
+            dgbi_add_texture(plan, ao[axis + 1], DGB_FORMAT_R8, 0, 1);
+            dgbi_add_input_as(pass, DGB_AO_RAW, ao[axis]);
+            dgbi_add_output(pass, ao[axis + 1]);
+        }
+        if (has_light) {
+            dgbi_add_texture(plan, irradiance[axis + 1], DGB_FORMAT_RGBA16F, 0, 1);
+            dgbi_add_input_as(pass, DGB_IRRADIANCE_RAW, irradiance[axis]);
+            dgbi_add_output(pass, irradiance[axis + 1]);
+        }
+    }
+}
+
+static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
+    const int shaded = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
+    memset(plan, 0, sizeof *plan);
+    plan->width    = d->width + 2 * d->guard_band;
+    plan->height   = d->height + 2 * d->guard_band;
+    plan->layers   = d->layers;
+    plan->levels   = dgb_mip_levels(plan->width, plan->height);
+    plan->oracle   = d->oracle;
+    plan->emission = d->emission;
+    if (d->source == DGB_SOURCE_BUILD) dgbi_plan_layers(d, plan);
+    if (!d->effects) return;
+    dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
+    dgbi_plan_pack(d, shaded, plan);
+    dgbi_plan_mip(d, shaded, plan);
+    if (d->effects & DGB_EFFECT_AO) dgbi_plan_ao(shaded, plan);
+    if (d->effects & DGB_EFFECT_RADIOSITY) dgbi_plan_gather(d, shaded, plan);
+    dgbi_plan_reconstruct(d, plan);
+}
+
+DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan) {
+    dgb_log_item item;
+    dgb_desc     resolved;
+    if (!desc || !plan) return dgbi_fail(desc, DGB_INVALID, DGB_LOG_NULL_ARGUMENT);
+    item = dgbi_check_desc(desc);
+    if (item != DGB_LOG_NONE) return dgbi_fail(desc, DGB_INVALID, item);
+    item = dgbi_check_caps(desc);
+    if (item != DGB_LOG_NONE) return dgbi_fail(desc, DGB_UNSUPPORTED, item);
+    resolved = *desc;
+    dgbi_resolve_defaults(&resolved);
+    dgbi_fill_plan(&resolved, plan);
+    return DGB_OK;
+}
+
+/* >> context: init, resize, shutdown */
+
+#define DGBI_INITIALISED 0x44474221u
+
+static dgb_log_item dgbi_check_backend(const dgb_backend* b) {
+    if (!b) return DGB_LOG_NULL_ARGUMENT;
+    if (b->version != DGB_VERSION) return DGB_LOG_BACKEND_VERSION;
+    if (!b->texture_create || !b->texture_destroy || !b->program_create || !b->program_destroy || !b->pass_begin ||
+        !b->texture_bind || !b->uniforms_upload || !b->draw_fullscreen || !b->pass_end)
+        return DGB_LOG_BACKEND_CALLBACK;
+    return DGB_LOG_NONE;
+}
+
+static void dgbi_begin(const dgb_backend* b) {
+    if (b->begin) b->begin(b->user);
+}
+
+static void dgbi_end(const dgb_backend* b) {
+    if (b->end) b->end(b->user);
+}
+
+static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
+    int slot;
+    for (slot = 0; slot < DGB_SLOT_COUNT; ++slot)
+        if (textures[slot].id) {
+            b->texture_destroy(b->user, textures[slot]);
+            textures[slot].id = 0;
+        }
+}
+
+static dgb_result dgbi_create_textures(const dgb_backend* b, const dgb_plan* plan, dgb_texture textures[DGB_SLOT_COUNT]) {
+    float rotations[DGB_ROTATION_COUNT][2];
+    int   i;
+    for (i = 0; i < DGB_ROTATION_COUNT; ++i) dgb_rotation(i, rotations[i]);
+    memset(textures, 0, sizeof(dgb_texture) * DGB_SLOT_COUNT);
+    for (i = 0; i < plan->texture_count; ++i) {
+        dgb_texture_desc t = plan->textures[i];
+        dgb_result       result;
+        if (t.slot == DGB_ROTATIONS) t.pixels = rotations;
+        result = b->texture_create(b->user, &t, &textures[t.slot]);
+        if (result == DGB_OK && textures[t.slot].id) continue;
+        textures[t.slot].id = 0;
+        dgbi_destroy_textures(b, textures);
+        return result == DGB_OK ? DGB_DEVICE : result;
+    }
+    return DGB_OK;
+}
+
+static void dgbi_destroy_programs(const dgb_backend* b, dgb_program programs[DGB_MAX_PROGRAMS]) {
+    int i;
+    for (i = 0; i < DGB_MAX_PROGRAMS; ++i)
+        if (programs[i].id) {
+            b->program_destroy(b->user, programs[i]);
+            programs[i].id = 0;
+        }
+}
+
+static dgb_result dgbi_create_programs(const dgb_backend* b, const dgb_plan* plan, dgb_program programs[DGB_MAX_PROGRAMS]) {
+    int i;
+    for (i = 0; i < plan->program_count; ++i) {
+        const dgb_result result = b->program_create(b->user, &plan->programs[i], &programs[i]);
+        if (result == DGB_OK && programs[i].id) continue;
+        programs[i].id = 0;
+        dgbi_destroy_programs(b, programs);
+        return result == DGB_OK ? DGB_DEVICE : result;
+    }
+    return DGB_OK;
+}
+
+DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
+    dgb_context  c;
+    dgb_log_item item;
+    dgb_result   result;
+    if (!context || !desc) return dgbi_fail(desc, DGB_INVALID, DGB_LOG_NULL_ARGUMENT);
+    item = dgbi_check_backend(desc->backend);
+    if (item != DGB_LOG_NONE) return dgbi_fail(desc, DGB_INVALID, item);
+    memset(&c, 0, sizeof c);
+    result = dgb_make_plan(desc, &c.plan);
+    if (result != DGB_OK) return result;
+    c.desc = *desc;
+    dgbi_resolve_defaults(&c.desc);
+    c.backend      = *desc->backend;
+    c.desc.backend = NULL; /* the caller's struct need not live on */
+    dgbi_begin(&c.backend);
+    result = dgbi_create_textures(&c.backend, &c.plan, c.textures);
+    if (result != DGB_OK) item = DGB_LOG_TEXTURE;
+    if (result == DGB_OK) {
+        result = dgbi_create_programs(&c.backend, &c.plan, c.programs);
+        if (result != DGB_OK) {
+            item = DGB_LOG_PROGRAM;
+            dgbi_destroy_textures(&c.backend, c.textures);
+        }
+    }
+    dgbi_end(&c.backend);
+    if (result != DGB_OK) return dgbi_fail(desc, result, item);
+    c.initialised = DGBI_INITIALISED;
+    *context      = c;
+    return DGB_OK;
+}
+
+static bool dgbi_is_live(const dgb_context* context) { return context && context->initialised == DGBI_INITIALISED; }
+
+DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
+    dgb_desc    desc;
+    dgb_plan    plan;
+    dgb_texture textures[DGB_SLOT_COUNT];
+    dgb_result  result;
+    if (!dgbi_is_live(context)) return DGB_INVALID;
+    if (width == context->desc.width && height == context->desc.height) return DGB_OK;
+    desc         = context->desc;
+    desc.backend = &context->backend;
+    desc.width   = width;
+    desc.height  = height;
+    result       = dgb_make_plan(&desc, &plan);
+    if (result != DGB_OK) return result;
+    dgbi_begin(&context->backend);
+    result = dgbi_create_textures(&context->backend, &plan, textures);
+    if (result == DGB_OK) dgbi_destroy_textures(&context->backend, context->textures);
+    dgbi_end(&context->backend);
+    if (result != DGB_OK) return dgbi_fail(&desc, result, DGB_LOG_TEXTURE);
+    memcpy(context->textures, textures, sizeof textures);
+    context->plan         = plan;
+    context->desc.width   = width;
+    context->desc.height  = height;
+    context->has_layers   = false;
+    context->has_previous = false;
+    return DGB_OK;
+}
+
+DGB_API void dgb_shutdown(dgb_context* context) {
+    if (!dgbi_is_live(context)) return;
+    dgbi_begin(&context->backend);
+    dgbi_destroy_programs(&context->backend, context->programs);
+    dgbi_destroy_textures(&context->backend, context->textures);
+    dgbi_end(&context->backend);
+    memset(context, 0, sizeof *context);
+}
+
+DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot) {
+    dgb_texture none = {0};
+    return dgbi_is_live(context) && dgbi_in_range((int)slot, 0, DGB_SLOT_COUNT - 1) ? context->textures[slot] : none;
+}
+
+/* >> frame: running the plan */
+
+static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
+    if (c->backend.marker) c->backend.marker(c->backend.user, id, begin);
+}
+
+static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
+    int i;
+    pass->id          = plan_pass->id;
+    pass->color_count = plan_pass->output_count;
+    for (i = 0; i < plan_pass->output_count; ++i) {
+        pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
+        pass->colors[i].level   = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
+        pass->colors[i].layer   = layer;
+    }
+    c->backend.pass_begin(c->backend.user, pass);
+}
+
+static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
+    int i;
+    for (i = 0; i < pass->input_count; ++i)
+        c->backend.texture_bind(c->backend.user, pass->inputs[i].name, c->textures[pass->inputs[i].texture],
+                                pass->id == DGB_PASS_MIP ? pass->level - 1 : -1);
+}
+
+/* >> frame, layers */
+
+/* distance = d0 clip.z + d1 clip.w + d2, from whichever of the two carries z */
+static void dgbi_distance_row(const float p[16], float row[4]) {
+    const bool perspective = p[11] != 0.0f;
+    row[0]                 = perspective ? 0.0f : -1.0f / p[10];
+    row[1]                 = perspective ? -1.0f / p[11] : 0.0f;
+    row[2]                 = perspective ? p[15] / p[11] : p[14] / p[10];
+    row[3]                 = 0.0f;
+}
+
+static float dgbi_depth_codes(dgb_format format) {
+    return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
+}
+
+static void dgbi_draw_uniforms(const dgb_context* c, const dgb_draw* draw, const dgb_camera* camera, float separation,
+                               dgb_draw_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera   = *camera;
+    u->previous = draw->oracle == DGB_ORACLE_PEEL ? *camera : c->camera; /* peeling reads this frame's depth */
+    dgbi_distance_row(draw->projection, u->distance);
+    dgbi_distance_row(draw->previous_projection, u->previous_distance);
+    u->size[0]  = (float)draw->width;
+    u->size[1]  = (float)draw->height;
+    u->size[2]  = separation;
+    u->size[3]  = dgbi_depth_codes(c->desc.depth_format);
+    u->layer[0] = draw->first_layer;
+    u->layer[1] = draw->layer_count;
+    u->layer[2] = (int32_t)draw->oracle;
+    u->layer[3] = draw->instances;
+}
+
+/* One pass of the layered target: all layers when draw->layer_count says so, else one. */
+static void dgbi_layer_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_draw* draw,
+                            const dgb_camera* camera, float separation, dgb_draw_fn draw_fn, void* user) {
+    const int         layer = draw->layer_count > 1 ? -1 : draw->first_layer;
+    dgb_draw_uniforms uniforms;
+    dgb_pass          pass;
+    memset(&pass, 0, sizeof pass);
+    pass.depth.texture = c->textures[DGB_DEPTH];
+    pass.depth.layer   = layer;
+    pass.width         = c->plan.width;
+    pass.height        = c->plan.height;
+    pass.clear         = true;
+    pass.clear_depth   = dgbi_clear_depth(c->desc.reversed);
+    pass.reversed      = c->desc.reversed;
+    pass.clip          = c->desc.clip;
+    dgbi_begin_pass(c, plan_pass, &pass, layer);
+    if (plan_pass->input_count)
+        c->backend.texture_bind(c->backend.user, DGB_ORACLE,
+                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? DGB_DEPTH : DGB_ORACLE], -1);
+    dgbi_draw_uniforms(c, draw, camera, separation, &uniforms);
+    c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
+    draw_fn(user, draw);
+    c->backend.pass_end(c->backend.user);
+}
+
+static void dgbi_swap_depth(dgb_context* c) {
+    const dgb_texture depth = c->textures[DGB_DEPTH];
+    if (!c->textures[DGB_ORACLE].id) return;
+    c->textures[DGB_DEPTH]  = c->textures[DGB_ORACLE];
+    c->textures[DGB_ORACLE] = depth;
+}
+
+static void dgbi_fill_draw(const dgb_context* c, const dgb_view* view, dgb_draw* draw) {
+    const bool fresh = !c->has_previous || view->cut;
+    memset(draw, 0, sizeof *draw);
+    draw->oracle    = fresh ? DGB_ORACLE_PEEL : c->plan.oracle;
+    draw->emission  = c->plan.emission;
+    draw->instances = 1;
+    draw->width     = c->plan.width;
+    draw->height    = c->plan.height;
+    memcpy(draw->view, view->view, sizeof draw->view);
+    dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter, draw->projection);
+    memcpy(draw->previous_view, fresh ? draw->view : c->view, sizeof draw->view);
+    memcpy(draw->previous_projection, fresh ? draw->projection : c->projection, sizeof draw->projection);
+}
+
+static dgb_log_item dgbi_check_view(const dgb_view* view, bool reversed) {
+    if (!dgbi_all_finite(view->view, 16) || !dgbi_all_finite(view->jitter, 2)) return DGB_LOG_MATRIX;
+    return dgbi_check_projection(view->projection, reversed);
+}
+
+DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw_fn, void* user) {
+    dgb_log_item item = DGB_LOG_NONE;
+    dgb_camera   camera;
+    dgb_draw     draw;
+    if (!dgbi_is_live(context)) return DGB_INVALID;
+    if (!view || !params || !draw_fn) item = DGB_LOG_NULL_ARGUMENT;
+    if (item == DGB_LOG_NONE && context->desc.source != DGB_SOURCE_BUILD) item = DGB_LOG_WRONG_SOURCE;
+    if (item == DGB_LOG_NONE) item = dgbi_check_view(view, context->desc.reversed);
+    if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
+    if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
+    dgbi_fill_draw(context, view, &draw);
+    if (dgb_camera_from_matrix(draw.projection, draw.width, draw.height, context->desc.clip, context->desc.reversed, &camera))
+        return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+
+    dgbi_begin(&context->backend);
+    dgbi_marker(context, DGB_PASS_LAYERS, true);
+    dgbi_swap_depth(context);
+    if (draw.oracle == DGB_ORACLE_PEEL || draw.emission == DGB_EMISSION_SEPARATE) {
+        draw.layer_count = 1;
+        for (draw.first_layer = 0; draw.first_layer < context->plan.layers; ++draw.first_layer)
+            dgbi_layer_pass(context, &context->plan.passes[0], &draw, &camera, params->separation, draw_fn, user);
+    } else {
+        draw.layer_count = context->plan.layers;
+        draw.instances   = draw.emission == DGB_EMISSION_VERTEX ? context->plan.layers : 1;
+        dgbi_layer_pass(context, &context->plan.passes[0], &draw, &camera, params->separation, draw_fn, user);
+    }
+    dgbi_marker(context, DGB_PASS_LAYERS, false);
+    dgbi_end(&context->backend);
+
+    context->camera = camera;
+    memcpy(context->view, draw.view, sizeof context->view);
+    memcpy(context->projection, draw.projection, sizeof context->projection);
+    context->has_previous = true;
+    context->has_layers   = true;
+    return DGB_OK;
+}
+
+/* Textures go into the slots that the plan's pack pass reads; others stay empty. */
+static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb_texture textures[DGB_SLOT_COUNT]) {
+    const dgb_plan_pass* pack = &plan->passes[0];
+    int                  i;
+    if (!plan->pass_count) return true;
+    textures[DGB_ENGINE_DEPTH0]    = layers->depth[0];
+    textures[DGB_ENGINE_DEPTH1]    = layers->depth[1];
+    textures[DGB_ENGINE_NORMAL0]   = layers->normal[0];
+    textures[DGB_ENGINE_NORMAL1]   = layers->normal[1];
+    textures[DGB_ENGINE_RADIANCE0] = layers->radiance[0];
+    textures[DGB_ENGINE_RADIANCE1] = layers->radiance[1];
+    for (i = 0; i < pack->input_count; ++i)
+        if (!textures[pack->inputs[i].texture].id) return false;
+    return true;
+}
+
+DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers) {
+    dgb_log_item item = DGB_LOG_NONE;
+    dgb_texture  textures[DGB_SLOT_COUNT];
+    float        projection[16];
+    dgb_camera   camera;
+    if (!dgbi_is_live(context)) return DGB_INVALID;
+    if (!view || !layers) item = DGB_LOG_NULL_ARGUMENT;
+    if (item == DGB_LOG_NONE && context->desc.source != DGB_SOURCE_ENGINE) item = DGB_LOG_WRONG_SOURCE;
+    if (item == DGB_LOG_NONE) item = dgbi_check_view(view, context->desc.reversed);
+    memcpy(textures, context->textures, sizeof textures);
+    if (item == DGB_LOG_NONE && !dgbi_take_layers(&context->plan, layers, textures)) item = DGB_LOG_INPUT;
+    if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
+    dgb_widen_projection(view->projection, context->desc.width, context->desc.height, context->desc.guard_band, view->jitter,
+                         projection);
+    if (dgb_camera_from_matrix(projection, context->plan.width, context->plan.height, context->desc.clip,
+                               context->desc.reversed, &camera))
+        return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+    memcpy(context->textures, textures, sizeof textures);
+    memcpy(context->view, view->view, sizeof context->view);
+    memcpy(context->projection, projection, sizeof projection);
+    context->camera     = camera;
+    context->has_layers = true;
+    return DGB_OK;
+}
+
+/* >> frame, shading: one function a pass fills its uniforms */
+
+static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pack_uniforms* u) {
+    int column, row;
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    for (column = 0; column < 3; ++column)
+        for (row = 0; row < 3; ++row)
+            u->rotation[column][row] = c->desc.world_normals ? c->view[column * 4 + row] : column == row ? 1.0f : 0.0f;
+    u->separation[0] = q->strict_separation ? q->separation : -1.0f;
+    u->size[0]       = c->plan.width;
+    u->size[1]       = c->plan.height;
+}
+
+static void dgbi_fill_taps(int count, float taps[DGB_MAX_TAPS][4]) {
+    int i;
+    for (i = 0; i < count; ++i) dgb_spiral_tap(i, count, taps[i]);
+}
+
+static void dgbi_fill_size(const dgb_context* c, int taps, int32_t size[4]) {
+    size[0] = c->plan.width;
+    size[1] = c->plan.height;
+    size[2] = taps;
+}
+
+static void dgbi_fill_level(const dgb_context* c, int log2_q, int min_level, int32_t level[4]) {
+    level[0] = log2_q;
+    level[1] = dgbi_min(min_level, c->plan.levels - 1);
+    level[2] = c->plan.levels - 1;
+}
+
+/* No tap is farther than the buffer's diagonal: beyond, every tap would land on the border. */
+static float dgbi_max_reach(const dgb_context* c) {
+    return sqrtf((float)c->plan.width * (float)c->plan.width + (float)c->plan.height * (float)c->plan.height);
+}
+
+static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    dgbi_fill_size(c, q->ao_samples, u->size);
+    dgbi_fill_level(c, DGB_AO_LOG2_Q, q->ao_min_level, u->level);
+    u->radius[0] = q->ao_radius;
+    u->radius[1] = 1.0f / (q->ao_radius * q->ao_radius);
+    u->radius[2] = q->ao_bias * q->ao_radius;
+    u->radius[3] = q->ao_epsilon * (q->ao_radius * q->ao_radius);
+    u->scale[0]  = (float)(DGBI_PI / q->ao_samples);
+    u->scale[1]  = q->ao_intensity;
+    u->scale[2]  = dgbi_max_reach(c);
+    dgbi_fill_taps(q->ao_samples, u->taps);
+}
+
+static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_gather_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    dgbi_fill_size(c, q->samples, u->size);
+    dgbi_fill_level(c, DGB_GATHER_LOG2_Q, q->min_level, u->level);
+    u->radius[0] = q->radius;
+    u->radius[1] = q->radius * q->radius;
+    u->radius[2] = c->desc.normaliser == DGB_NORMALISER_BOUNDED ? 1.0f : 0.0f;
+    u->radius[3] = dgbi_max_reach(c);
+    dgbi_fill_taps(q->samples, u->taps);
+}
+
+/* The part of the buffer that is shaded: the image plus guard_fraction of the guard band. x, y, width, height. */
+static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
+    const int inset = c->desc.guard_band - (int)((float)c->desc.guard_band * q->guard_fraction + 0.5f);
+    rect[0] = rect[1] = inset;
+    rect[2]           = c->plan.width - 2 * inset;
+    rect[3]           = c->plan.height - 2 * inset;
+}
+
+/* Gaussian whose standard deviation is half the radius. The sum does not matter: the shader divides by it. */
+static void dgbi_filter_weights(int radius, float weights[][4]) {
+    const double sigma = radius > 0 ? 0.5 * radius : 1.0;
+    int          i;
+    for (i = 0; i <= radius; ++i) weights[i][0] = (float)exp(-0.5 * i * i / (sigma * sigma));
+}
+
+static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q, int axis, dgb_reconstruct_uniforms* u) {
+    int rect[4];
+    memset(u, 0, sizeof *u);
+    dgbi_shaded_rect(c, q, rect);
+    u->camera       = c->camera;
+    u->rect[0]      = rect[0];
+    u->rect[1]      = rect[1];
+    u->rect[2]      = rect[0] + rect[2] - 1;
+    u->rect[3]      = rect[1] + rect[3] - 1;
+    u->axis[0]      = axis == 0 ? q->filter_step : 0;
+    u->axis[1]      = axis == 1 ? q->filter_step : 0;
+    u->axis[2]      = q->filter_taps / 2;
+    u->sharpness[0] = q->normal_sharpness;
+    u->sharpness[1] = q->plane_sharpness;
+    dgbi_filter_weights(q->filter_taps / 2, u->weights);
+}
+
+static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
+    union {
+        dgb_pack_uniforms        pack;
+        dgb_ao_uniforms          ao;
+        dgb_gather_uniforms      gather;
+        dgb_reconstruct_uniforms reconstruct;
+    } u;
+    size_t size = 0;
+    switch (pass->id) {
+    case DGB_PASS_PACK: dgbi_pack_uniforms(c, q, &u.pack), size = sizeof u.pack; break;
+    case DGB_PASS_AO: dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao; break;
+    case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
+    case DGB_PASS_RECONSTRUCT: dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct; break;
+    case DGB_PASS_LAYERS:
+    case DGB_PASS_MIP: /* copies: nothing to tell */
+    case DGB_PASS_COUNT: return;
+    }
+    c->backend.uniforms_upload(c->backend.user, &u, size);
+}
+
+static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q, int rect[4]) {
+    const int level = pass->id == DGB_PASS_MIP ? pass->level : 0;
+    if (pass->id == DGB_PASS_PACK || pass->id == DGB_PASS_MIP) {
+        rect[0] = rect[1] = 0;
+        rect[2]           = c->plan.width >> level;
+        rect[3]           = c->plan.height >> level;
+    } else {
+        dgbi_shaded_rect(c, q, rect);
+    }
+}
+
+static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
+    const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
+    int       rect[4];
+    dgb_pass  pass;
+    memset(&pass, 0, sizeof pass);
+    dgbi_fullscreen_rect(c, plan_pass, q, rect);
+    pass.x      = rect[0];
+    pass.y      = rect[1];
+    pass.width  = rect[2];
+    pass.height = rect[3];
+    dgbi_begin_pass(c, plan_pass, &pass, 0);
+    dgbi_bind_inputs(c, plan_pass);
+    dgbi_upload_uniforms(c, plan_pass, q);
+    c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program + variant]);
+    c->backend.pass_end(c->backend.user);
+}
+
+DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
+    dgb_log_item item = DGB_LOG_NONE;
+    int          i;
+    if (!dgbi_is_live(context)) return DGB_INVALID;
+    if (!params) item = DGB_LOG_NULL_ARGUMENT;
+    if (item == DGB_LOG_NONE && !context->has_layers) item = DGB_LOG_NO_LAYERS;
+    if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
+    if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
+    dgbi_begin(&context->backend);
+    for (i = 0; i < context->plan.pass_count; ++i) {
+        const dgb_plan_pass* pass = &context->plan.passes[i];
+        if (pass->id == DGB_PASS_LAYERS) continue;
+        if (pass[-(i > 0)].id != pass->id || i == 0) dgbi_marker(context, pass->id, true);
+        dgbi_run_fullscreen(context, pass, params);
+        if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
+    }
+    dgbi_end(&context->backend);
+    return DGB_OK;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#endif /* DEEPGBUFFER_IMPLEMENTATION */

@@ -1,0 +1,2063 @@
+/* deepgbuffer_gl.h - OpenGL backend of deepgbuffer.h - v0.1.0 - MIT or public domain
+
+   Do this:
+       #include "deepgbuffer.h"
+       #include "deepgbuffer_gl.h"
+   In the one file where DEEPGBUFFER_IMPLEMENTATION is defined, both headers are implemented.
+   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress and
+   eglGetProcAddress both fit).
+
+   NEEDS     OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float (peeling only there).
+   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init.
+
+   START (with a context current)
+       static dgbgl_backend gl;                             keep it as long as the dgb_context
+       dgbgl_desc gd = {0};
+       gd.get_proc = my_get_proc;
+       dgbgl_init(&gl, &gd);
+       dgb_desc d = {0};
+       d.width = 1280; d.height = 720; d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+       d.backend = &gl.backend;
+       dgb_init(&dgb, &d);
+
+   YOUR MATERIAL SHADERS
+       They start with the text of dgbgl_shader_prefix (it holds the #version line), go on with yours, and call:
+           vertex     dgb_vertex(clip, previous_clip);     last; writes gl_Position. dgb_instance() replaces gl_InstanceID
+           fragment   if (!dgb_keep()) discard;            after your alpha test
+                      dgb_store(albedo, normal, material, radiance);
+       previous_clip is dgb_draw.previous_projection * previous_view * where this vertex was last frame.
+       Link the text of dgbgl_geometry_shader too when it is not empty. After linking: dgbgl_attach_program.
+       Varyings between your vertex and fragment shader are listed for the two functions, so that the geometry shader can
+       pass them on under another name.
+       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances.
+
+   STATE
+       Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
+       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
+       mode, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip control, program (even
+       one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active texture, textures and
+       samplers of the units used, pixel unpacking. desc.keep_state = true skips all of it, and every glGet: then set your own.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
+
+   UNITS AND BINDINGS
+       Full-screen passes use texture units 0 to 5 and one uniform buffer binding. During your draw callback the oracle sits
+       in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23).
+
+   THREADS   those of the GL context.
+*/
+
+#ifndef DEEPGBUFFER_GL_H
+#define DEEPGBUFFER_GL_H
+
+#include "deepgbuffer.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DGBGL_MAX_FRAMEBUFFERS 48
+#define DGBGL_MAX_UNITS 6
+#define DGBGL_MAX_VIEWPORTS 16
+#define DGBGL_MAX_DRAW_BUFFERS 8
+#define DGBGL_TOGGLE_COUNT 25
+
+typedef void* (*dgbgl_get_proc_fn)(const char* name);
+
+/* Compiler and linker messages with the pass they belong to; what the driver lacks. */
+typedef void (*dgbgl_message_fn)(void* user, const char* text);
+
+typedef struct dgbgl_desc { /* 0 means default */
+    dgbgl_get_proc_fn get_proc;        /* required */
+    int               oracle_unit;     /* default 15 */
+    int               uniform_binding; /* default 23 */
+    bool              keep_state;      /* do not save and restore the engine's state */
+    bool              no_timers;       /* do not measure passes */
+    bool              no_single_pass;  /* pretend that neither geometry nor vertex emission works */
+    dgbgl_message_fn  message;         /* may be null */
+    void*             message_user;
+} dgbgl_desc;
+
+typedef enum dgbgl_stage { DGBGL_VERTEX = 0, DGBGL_GEOMETRY, DGBGL_FRAGMENT } dgbgl_stage;
+
+typedef struct dgbgl_varying { /* one of the engine's own varyings */
+    const char* qualifier;     /* null, "flat", "noperspective", "centroid" */
+    const char* type;          /* "vec2" */
+    const char* name;          /* "v_uv"; must not start with dgb_ */
+} dgbgl_varying;
+
+/* Entry points. X(return type, name, arguments): required first, then those that may be missing. */
+#define DGBGL_FUNCTIONS(X)                                                                                              \
+    X(const unsigned char*, GetString, (unsigned int))                                                                  \
+    X(const unsigned char*, GetStringi, (unsigned int, unsigned int))                                                   \
+    X(unsigned int, GetError, (void))                                                                                   \
+    X(void, GetIntegerv, (unsigned int, int*))                                                                          \
+    X(void, GetInteger64i_v, (unsigned int, unsigned int, int64_t*))                                                    \
+    X(void, GetIntegeri_v, (unsigned int, unsigned int, int*))                                                          \
+    X(void, GetFloatv, (unsigned int, float*))                                                                          \
+    X(void, Enable, (unsigned int))                                                                                     \
+    X(void, Disable, (unsigned int))                                                                                    \
+    X(unsigned char, IsEnabled, (unsigned int))                                                                         \
+    X(void, Viewport, (int, int, int, int))                                                                             \
+    X(void, ColorMask, (unsigned char, unsigned char, unsigned char, unsigned char))                                    \
+    X(void, DepthMask, (unsigned char))                                                                                 \
+    X(void, DepthFunc, (unsigned int))                                                                                  \
+    X(void, PixelStorei, (unsigned int, int))                                                                           \
+    X(void, GenTextures, (int, unsigned int*))                                                                          \
+    X(void, DeleteTextures, (int, const unsigned int*))                                                                 \
+    X(void, BindTexture, (unsigned int, unsigned int))                                                                  \
+    X(void, ActiveTexture, (unsigned int))                                                                              \
+    X(void, TexParameteri, (unsigned int, unsigned int, int))                                                           \
+    X(void, TexImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))               \
+    X(void, TexImage3D, (unsigned int, int, int, int, int, int, int, unsigned int, unsigned int, const void*))          \
+    X(void, TexSubImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))            \
+    X(void, GenSamplers, (int, unsigned int*))                                                                          \
+    X(void, DeleteSamplers, (int, const unsigned int*))                                                                 \
+    X(void, BindSampler, (unsigned int, unsigned int))                                                                  \
+    X(void, SamplerParameteri, (unsigned int, unsigned int, int))                                                       \
+    X(void, GenFramebuffers, (int, unsigned int*))                                                                      \
+    X(void, DeleteFramebuffers, (int, const unsigned int*))                                                             \
+    X(void, BindFramebuffer, (unsigned int, unsigned int))                                                              \
+    X(void, FramebufferTexture2D, (unsigned int, unsigned int, unsigned int, unsigned int, int))                        \
+    X(void, FramebufferTextureLayer, (unsigned int, unsigned int, unsigned int, int, int))                              \
+    X(unsigned int, CheckFramebufferStatus, (unsigned int))                                                             \
+    X(void, DrawBuffers, (int, const unsigned int*))                                                                    \
+    X(void, ClearBufferfv, (unsigned int, int, const float*))                                                           \
+    X(void, GenVertexArrays, (int, unsigned int*))                                                                      \
+    X(void, DeleteVertexArrays, (int, const unsigned int*))                                                             \
+    X(void, BindVertexArray, (unsigned int))                                                                            \
+    X(void, DrawArrays, (unsigned int, int, int))                                                                       \
+    X(void, GenBuffers, (int, unsigned int*))                                                                           \
+    X(void, DeleteBuffers, (int, const unsigned int*))                                                                  \
+    X(void, BindBuffer, (unsigned int, unsigned int))                                                                   \
+    X(void, BindBufferBase, (unsigned int, unsigned int, unsigned int))                                                 \
+    X(void, BindBufferRange, (unsigned int, unsigned int, unsigned int, ptrdiff_t, ptrdiff_t))                          \
+    X(void, BufferData, (unsigned int, ptrdiff_t, const void*, unsigned int))                                           \
+    X(unsigned int, CreateShader, (unsigned int))                                                                       \
+    X(void, DeleteShader, (unsigned int))                                                                               \
+    X(void, ShaderSource, (unsigned int, int, const char* const*, const int*))                                          \
+    X(void, CompileShader, (unsigned int))                                                                              \
+    X(void, GetShaderiv, (unsigned int, unsigned int, int*))                                                            \
+    X(void, GetShaderInfoLog, (unsigned int, int, int*, char*))                                                         \
+    X(unsigned int, CreateProgram, (void))                                                                              \
+    X(void, DeleteProgram, (unsigned int))                                                                              \
+    X(void, AttachShader, (unsigned int, unsigned int))                                                                 \
+    X(void, LinkProgram, (unsigned int))                                                                                \
+    X(void, GetProgramiv, (unsigned int, unsigned int, int*))                                                           \
+    X(void, GetProgramInfoLog, (unsigned int, int, int*, char*))                                                        \
+    X(void, UseProgram, (unsigned int))                                                                                 \
+    X(unsigned char, IsProgram, (unsigned int))                                                                         \
+    X(int, GetUniformLocation, (unsigned int, const char*))                                                             \
+    X(void, Uniform1i, (int, int))                                                                                      \
+    X(unsigned int, GetUniformBlockIndex, (unsigned int, const char*))                                                  \
+    X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))
+
+#define DGBGL_OPTIONAL_FUNCTIONS(X)                                                                                     \
+    X(unsigned char, IsEnabledi, (unsigned int, unsigned int))                                                          \
+    X(void, Enablei, (unsigned int, unsigned int))                                                                      \
+    X(void, Disablei, (unsigned int, unsigned int))                                                                     \
+    X(void, GetBooleani_v, (unsigned int, unsigned int, unsigned char*))                                                \
+    X(void, ColorMaski, (unsigned int, unsigned char, unsigned char, unsigned char, unsigned char))                     \
+    X(void, PolygonMode, (unsigned int, unsigned int))                                                                  \
+    X(void, DepthRangef, (float, float))                                                                                \
+    X(void, DepthRange, (double, double))                                                                               \
+    X(void, GetFloati_v, (unsigned int, unsigned int, float*))                                                          \
+    X(void, GetDoublei_v, (unsigned int, unsigned int, double*))                                                        \
+    X(void, ViewportIndexedf, (unsigned int, float, float, float, float))                                               \
+    X(void, DepthRangeIndexed, (unsigned int, double, double))                                                          \
+    X(void, ClipControl, (unsigned int, unsigned int))                                                                  \
+    X(void, TextureBarrier, (void))                                                                                     \
+    X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                        \
+    X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                                  \
+    X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                             \
+    X(void, ObjectLabel, (unsigned int, unsigned int, int, const char*))                                                \
+    X(void, PushDebugGroup, (unsigned int, unsigned int, int, const char*))                                             \
+    X(void, PopDebugGroup, (void))                                                                                      \
+    X(void, GenQueries, (int, unsigned int*))                                                                           \
+    X(void, DeleteQueries, (int, const unsigned int*))                                                                  \
+    X(void, QueryCounter, (unsigned int, unsigned int))                                                                 \
+    X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                       \
+    X(void, GetQueryObjectui64v, (unsigned int, unsigned int, uint64_t*))
+
+#if defined(_WIN32) && !defined(_WIN64)
+#define DGBGL_CALL __stdcall
+#else
+#define DGBGL_CALL
+#endif
+
+typedef struct dgbgl_functions {
+#define DGBGL_MEMBER(result, name, arguments) result(DGBGL_CALL* name) arguments;
+    DGBGL_FUNCTIONS(DGBGL_MEMBER)
+    DGBGL_OPTIONAL_FUNCTIONS(DGBGL_MEMBER)
+#undef DGBGL_MEMBER
+} dgbgl_functions;
+
+typedef struct dgbgl_state { /* the engine's, while a dgb_* call runs */
+    int           draw_framebuffer, read_framebuffer;
+    float         viewports[DGBGL_MAX_VIEWPORTS][4];
+    double        depth_ranges[DGBGL_MAX_VIEWPORTS][2];
+    unsigned char scissor[DGBGL_MAX_VIEWPORTS];
+    unsigned char blend[DGBGL_MAX_DRAW_BUFFERS], color_mask[DGBGL_MAX_DRAW_BUFFERS][4];
+    unsigned char toggles[DGBGL_TOGGLE_COUNT];
+    int           depth_mask, depth_func, polygon_mode[2], clip_origin, clip_depth;
+    int           program, vertex_array, uniform_buffer, uniform_binding;
+    int64_t       uniform_start, uniform_size;
+    int           active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
+    int           samplers[DGBGL_MAX_UNITS + 1];
+    int           unpack_buffer, unpack[6];
+} dgbgl_state;
+
+typedef struct dgbgl_backend { /* yours to place; its members are the library's, but for the three that say "read" */
+    dgb_backend     backend;   /* read: hand its address to dgb_desc.backend */
+    int             version;   /* read: 330 for OpenGL 3.3 */
+    bool            es;        /* read: OpenGL ES */
+    dgbgl_functions gl;
+    dgbgl_desc      desc;
+    bool            indexed_viewports, indexed_buffers;
+    const char*     layer_extension; /* that lets a vertex shader write gl_Layer, or null */
+    unsigned int    vertex_array, uniform_buffer, sampler;
+    struct {
+        unsigned int name;
+        int          count;
+        dgb_target   targets[DGB_MAX_TARGETS + 1];
+    } framebuffers[DGBGL_MAX_FRAMEBUFFERS];
+    int         next_framebuffer;
+    dgb_pass    pass;                      /* that is running */
+    dgb_texture narrowed[DGB_MAX_INPUTS];  /* textures whose level range it restricted */
+    int         narrowed_count;
+    struct {
+        unsigned int queries[2][2]; /* two frames: begin, end */
+        bool         pending[2];
+        bool         running;
+        int          frame;
+        double       milliseconds; /* < 0: none yet */
+    } timers[DGB_PASS_COUNT];
+    dgbgl_state state;
+} dgbgl_backend;
+
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc,
+   DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point is missing; *gl is then zero. */
+DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
+/* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
+DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
+
+/* Handle of an engine's own GL_TEXTURE_2D. 0 gives no texture. */
+DGB_API dgb_texture dgbgl_texture(unsigned int name);
+/* GL name of a handle. Layer textures are GL_TEXTURE_2D_ARRAY, all others GL_TEXTURE_2D. */
+DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
+
+/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
+   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context.
+   `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
+DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings, int count,
+                                   char* text, size_t capacity);
+/* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
+DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
+                                     size_t capacity);
+/* Connects a linked program that contains the snippets to the draw block and to the oracle. Once a program. */
+DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
+
+/* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
+DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
+                                 size_t capacity);
+
+/* Time of a pass two frames ago on the GPU's clock. false: no timers here, or no result yet. Never waits. */
+DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* DEEPGBUFFER_GL_H */
+
+#if defined(DEEPGBUFFER_IMPLEMENTATION) && !defined(DEEPGBUFFER_GL_IMPLEMENTED)
+#define DEEPGBUFFER_GL_IMPLEMENTED
+
+#include <string.h>
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* >> shader text: edited in shaders_embedded/, copied here by `make embed` */
+
+/* >> embedded GLSL: written by shaders_embedded/embed.c from shaders_embedded/; run "make embed" */
+/* clang-format off */
+
+static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
+    "#line 1\n"
+    "// Mathematics shared by every pass. Each function is the twin of the C function of the same name in deepgbuffer.h, which\n"
+    "// documents it. NaN is removed by selects (a comparison with NaN is false), never by min, max or clamp, whose treatment of\n"
+    "// NaN differs between implementations.\n"
+    "\n"
+    "const float DGB_PI           = 3.14159265358979;\n"
+    "const float DGB_MAX_RADIANCE = 64512.0;\n"
+    "const float DGB_MAX_DISTANCE = 1e15;\n"
+    "\n"
+    "struct dgb_camera {\n"
+    "    vec4 linearise;\n"
+    "    vec4 position_z;\n"
+    "    vec4 position_1;\n"
+    "    vec4 footprint;\n"
+    "};\n"
+    "\n"
+    "// Oct16: two bytes as the unorm8 channels of a texture hold them.\n"
+    "vec2 dgb_sign(vec2 v) { return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0); }\n"
+    "\n"
+    "vec2 dgb_oct16_encode(vec3 n) {\n"
+    "    float s = abs(n.x) + abs(n.y) + abs(n.z);\n"
+    "    vec2  p = s > 1e-30 && s < 1e30 ? n.xy / s : vec2(0.0);\n"
+    "    if (n.z < 0.0 && s < 1e30) p = (1.0 - abs(p.yx)) * dgb_sign(p);\n"
+    "    return (floor(p * 127.0 + 0.5) + 127.0) / 255.0;\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_oct16_decode(vec2 bytes) {\n"
+    "    vec2  q = floor(bytes * 255.0 + 0.5);\n"
+    "    vec2  p = (min(q, 254.0) - 127.0) / 127.0;\n"
+    "    float z = 1.0 - abs(p.x) - abs(p.y);\n"
+    "    return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));\n"
+    "}\n"
+    "\n"
+    "float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE) : 0.0; }\n"
+    "\n"
+    "vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }\n"
+    "\n"
+    "int dgb_pixel_hash(ivec2 pixel, int frame) {\n"
+    "    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u ^ uint(frame) * 0xcb1ab31fu;\n"
+    "    h      = (h ^ (h >> 16)) * 0x7feb352du;\n"
+    "    h      = (h ^ (h >> 15)) * 0x846ca68bu;\n"
+    "    return int(h >> 24);\n"
+    "}\n"
+    "\n"
+    "int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {\n"
+    "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - 127 - log2_q, min_level, max_level) : min_level;\n"
+    "}\n"
+    "\n"
+    "ivec2 dgb_mip_source(ivec2 p, int level) {\n"
+    "    ivec2 odd_texel = -(p & 1); // all bits set where the coordinate is odd\n"
+    "    return (p << level) | (odd_texel.yx & (0xaaaa >> (16 - level))) | (odd_texel & (0x5555 >> (16 - level)));\n"
+    "}\n"
+    "\n"
+    "float dgb_linear_z(float depth, dgb_camera camera) {\n"
+    "    float t           = depth - camera.footprint.w;\n"
+    "    float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);\n"
+    "    bool  perspective = camera.footprint.y != 0.0;\n"
+    "    return abs(z) <= DGB_MAX_DISTANCE && t != 0.0 && (!perspective || z < 0.0) ? z : 0.0;\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_position(vec2 pixel, float z, dgb_camera camera) {\n"
+    "    vec4 a = camera.position_z, b = camera.position_1;\n"
+    "    return vec3((pixel * a.xy + a.zw) * z + (pixel * b.xy + b.zw), z);\n"
+    "}\n"
+    "\n"
+    "float dgb_pixels_per_metre(float z, dgb_camera camera) {\n"
+    "    float w = camera.footprint.y * z + camera.footprint.z;\n"
+    "    return w > 0.0 ? camera.footprint.x / w : 0.0;\n"
+    "}\n"
+    "\n"
+    "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
+    "\n"
+    "float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
+    "    float d2 = dot(v, v);\n"
+    "    return max(1.0 - d2 * inv_r2, 0.0) * max((dot(v, n) - beta) * inversesqrt(d2 + epsilon), 0.0);\n"
+    "}\n"
+    "\n"
+    "float dgb_ambient_visibility(float sum, float pi_over_count) { return max(1.0 - sqrt(pi_over_count * sum), 0.0); }\n"
+    "\n"
+    "float dgb_gather_term(vec3 v, vec3 n_x, float r2) {\n"
+    "    float d2     = dot(v, v);\n"
+    "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
+    "    return d2 <= r2 && cosine > 0.0 ? cosine : 0.0;\n"
+    "}\n"
+    "\n"
+    "float dgb_gather_scale(float sum_cos, float count, float k) {\n"
+    "    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;\n"
+    "}\n"
+    "\n"
+    "float dgb_boost(vec3 albedo, float unsaturated, float saturated) {\n"
+    "    float high = max(albedo.r, max(albedo.g, albedo.b)), low = min(albedo.r, min(albedo.g, albedo.b));\n"
+    "    return unsaturated + (saturated - unsaturated) * (high > max(low, 0.0) ? (high - max(low, 0.0)) / high : 0.0);\n"
+    "}\n"
+    "\n"
+    "float dgb_bilateral_weight(vec3 n, vec3 n2, vec3 dq, float normal_sharpness, float plane_sharpness) {\n",
+    "    float normal = max(1.0 - normal_sharpness * (1.0 - dot(n, n2)), 0.0);\n"
+    "    float d2     = dot(dq, dq);\n"
+    "    float off    = max(abs(dot(dq, n)), abs(dot(dq, n2)));\n"
+    "    float plane  = d2 > 0.0 ? max(1.0 - plane_sharpness * off * inversesqrt(d2), 0.0) : 1.0;\n"
+    "    return normal * plane * plane;\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_fullscreen[] = { /* 05_fullscreen.glsl */
+    "#line 50001\n"
+    "// Vertex shader of every full-screen pass: one triangle that covers the viewport, without a vertex buffer.\n"
+    "\n"
+    "void main() {\n"
+    "    vec2 corner = vec2(float((gl_VertexID & 1) << 2), float((gl_VertexID & 2) << 1)); // (0,0) (4,0) (0,4)\n"
+    "    gl_Position = vec4(corner - 1.0, 0.0, 1.0);\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_layers[] = { /* 10_layers.glsl */
+    "#line 100001\n"
+    "// Start of every material shader that draws into the layers: what the keep test needs to know about the frame.\n"
+    "\n"
+    "const int DGB_ORACLE_REPROJECT = 3;\n"
+    "\n"
+    "layout(std140) uniform dgb_draw_block {\n"
+    "    dgb_camera dgb_draw_camera;\n"
+    "    dgb_camera dgb_draw_previous;          // of the frame that the oracle holds\n"
+    "    vec4       dgb_draw_distance;          // distance = dot(this.xyz, vec3(clip.z, clip.w, 1))\n"
+    "    vec4       dgb_draw_previous_distance;\n"
+    "    vec4       dgb_draw_size;              // buffer width, height (pixels), separation (m), depth codes (0: float depth)\n"
+    "    ivec4      dgb_draw_layer;             // first layer, layer count, oracle, instance multiplier\n"
+    "};\n",
+    0
+};
+
+static const char* const dgbgli_glsl_layers_vertex[] = { /* 11_layers_vertex.glsl */
+    "#line 110001\n"
+    "// Vertex part. Call dgb_vertex once, last; use dgb_instance() instead of gl_InstanceID.\n"
+    "\n"
+    "out vec4      dgb_v_current;  // clip x, y, w and distance in metres\n"
+    "out vec4      dgb_v_previous; // the same point's, one frame ago\n"
+    "flat out int  dgb_v_layer;\n"
+    "\n"
+    "int dgb_instance() { return gl_InstanceID / dgb_draw_layer.w; }\n"
+    "\n"
+    "// clip: gl_Position of this frame; previous_clip: where the same point of the same object was last frame.\n"
+    "void dgb_vertex(vec4 clip, vec4 previous_clip) {\n"
+    "    gl_Position    = clip;\n"
+    "    dgb_v_current  = vec4(clip.xyw, dot(dgb_draw_distance.xyz, vec3(clip.zw, 1.0)));\n"
+    "    dgb_v_previous = vec4(previous_clip.xyw, dot(dgb_draw_previous_distance.xyz, vec3(previous_clip.zw, 1.0)));\n"
+    "    dgb_v_layer    = dgb_draw_layer.x;\n"
+    "#if DGB_EMISSION_VERTEX\n"
+    "    dgb_v_layer += gl_InstanceID % dgb_draw_layer.w;\n"
+    "    gl_Layer     = dgb_v_layer; // ignored while layers are drawn one at a time\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment.glsl */
+    "#line 120001\n"
+    "// Fragment part. Discard on alpha first, then `if (!dgb_keep()) discard;`, then dgb_store.\n"
+    "\n"
+    "in vec4     dgb_v_current;\n"
+    "in vec4     dgb_v_previous;\n"
+    "flat in int dgb_v_layer;\n"
+    "\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2DArray dgb_oracle;\n"
+    "#endif\n"
+    "\n"
+    "#ifdef DGB_ALBEDO_LOCATION\n"
+    "layout(location = DGB_ALBEDO_LOCATION) out vec4 dgb_out_albedo;\n"
+    "#endif\n"
+    "#ifdef DGB_NORMAL_LOCATION\n"
+    "layout(location = DGB_NORMAL_LOCATION) out vec4 dgb_out_normal;\n"
+    "#endif\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "layout(location = DGB_RADIANCE_LOCATION) out vec4 dgb_out_radiance;\n"
+    "#endif\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "layout(location = DGB_VELOCITY_LOCATION) out vec4 dgb_out_velocity;\n"
+    "#endif\n"
+    "\n"
+    "// Pixels that this point moved since the last frame.\n"
+    "vec2 dgb_velocity() {\n"
+    "    return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;\n"
+    "}\n"
+    "\n"
+    "// The depth as the buffer will store it, so that the keep test compares like with like.\n"
+    "float dgb_depth_code(float depth) {\n"
+    "    float codes = dgb_draw_size.w;\n"
+    "    return codes > 0.0 ? floor(depth * codes + 0.5) / codes : depth;\n"
+    "}\n"
+    "\n"
+    "// Whether this fragment belongs to its layer. Layer 0 keeps all; layer j what is behind layer j-1 of the oracle by more\n"
+    "// than the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are\n"
+    "// exactly 0 when nothing moves: then every oracle gives what peeling gives, bit for bit.\n"
+    "bool dgb_keep() {\n"
+    "#if DGB_LAYERS > 1\n"
+    "    if (dgb_v_layer == 0) return true;\n"
+    "    vec2  pixel = gl_FragCoord.xy;\n"
+    "    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z), dgb_draw_camera);\n"
+    "    if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {\n"
+    "        vec2 then = pixel - dgb_velocity();\n"
+    "        // behind the previous eye or off its buffer: judged at its own pixel, as PREVIOUS does\n"
+    "        if (dgb_v_previous.z > 0.0 && then.x >= 0.0 && then.y >= 0.0 && then.x < dgb_draw_size.x && then.y < dgb_draw_size.y) {\n"
+    "            pixel = then;\n"
+    "            z -= dgb_v_previous.w - dgb_v_current.w;\n"
+    "        }\n"
+    "    }\n"
+    "    float front = texelFetch(dgb_oracle, ivec3(ivec2(pixel), dgb_v_layer - 1), 0).r;\n"
+    "    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);\n"
+    "#else\n"
+    "    return true;\n"
+    "#endif\n"
+    "}\n"
+    "\n"
+    "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
+    "\n"
+    "// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1. normal: camera space, any length. radiance: outgoing,\n"
+    "// W/(m2 sr): emission, and direct light if the material shader computes it.\n"
+    "void dgb_store(vec4 albedo, vec3 normal, vec2 material, vec3 radiance) {\n"
+    "#ifdef DGB_ALBEDO_LOCATION\n"
+    "    dgb_out_albedo = albedo;\n"
+    "#endif\n"
+    "#ifdef DGB_NORMAL_LOCATION\n"
+    "    dgb_out_normal = vec4(dgb_oct16_encode(normal), material);\n"
+    "#endif\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "    dgb_out_radiance = vec4(dgb_storable(radiance), 1.0);\n"
+    "#endif\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "    vec2 velocity    = dgb_velocity();\n"
+    "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
+    "#line 200001\n"
+    "// Pack: camera z, normals and radiance of up to two layers into the shading input (paper, Table 1).\n"
+    "\n"
+    "layout(std140) uniform dgb_pack_block {\n"
+    "    dgb_camera dgb_pack_camera;\n"
+    "    vec4       dgb_pack_rotation[3]; // world to camera, columns\n"
+    "    vec4       dgb_pack_separation;  // x: separation in m, or -1: keep what the oracle let through\n"
+    "    ivec4      dgb_pack_size;        // buffer width, height\n"
+    "};\n"
+    "\n"
+    "// What the layers hold at a pixel; `layer` is constant wherever these are called.\n"
+    "#if DGB_ENGINE_LAYERS\n"
+    "uniform sampler2D dgb_engine_depth0;\n"
+    "uniform sampler2D dgb_engine_depth1;\n"
+    "uniform sampler2D dgb_engine_normal0;\n"
+    "uniform sampler2D dgb_engine_normal1;\n"
+    "uniform sampler2D dgb_engine_radiance0;\n"
+    "uniform sampler2D dgb_engine_radiance1;\n"
+    "\n"
+    "float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }\n"
+    "vec3  dgb_normal_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_normal0, p, 0).rgb : texelFetch(dgb_engine_normal1, p, 0).rgb; }\n"
+    "vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }\n"
+    "#else\n"
+    "uniform sampler2DArray dgb_depth;\n"
+    "uniform sampler2DArray dgb_normal;\n"
+    "uniform sampler2DArray dgb_radiance;\n"
+    "\n"
+    "float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, ivec3(p, layer), 0).r; }\n"
+    "vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, ivec3(p, layer), 0).rgb; }\n"
+    "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, ivec3(p, layer), 0).rgb; }\n"
+    "#endif\n"
+    "\n"
+    "float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_at(layer, p), dgb_pack_camera); }\n"
+    "\n"
+    "layout(location = 0) out vec4 dgb_out_z;\n"
+    "layout(location = 1) out vec4 dgb_out_normals;\n"
+    "#if DGB_PACK_RADIANCE\n"
+    "layout(location = 2) out vec4 dgb_out_b0;\n"
+    "#if DGB_LAYERS > 1\n"
+    "layout(location = 3) out vec4 dgb_out_b1;\n"
+    "#endif\n"
+    "#endif\n"
+    "\n"
+    "// The Oct16 bytes of a layer's normal, from whatever the engine has.\n"
+    "#if DGB_NORMALS_FORMAT == 0\n"
+    "// From depth: the neighbouring point that lies nearer in depth, so that silhouettes do not bend the normal.\n"
+    "vec3 dgb_edge(vec3 here, vec3 before, vec3 after) {\n"
+    "    bool use_before = before.z != 0.0 && (after.z == 0.0 || abs(before.z - here.z) < abs(after.z - here.z));\n"
+    "    return use_before ? here - before : after.z != 0.0 ? after - here : vec3(0.0);\n"
+    "}\n"
+    "\n"
+    "// z = 0, no surface, off the buffer.\n"
+    "vec3 dgb_point(int layer, ivec2 p) {\n"
+    "    bool inside = p.x >= 0 && p.y >= 0 && p.x < dgb_pack_size.x && p.y < dgb_pack_size.y;\n"
+    "    return dgb_position(vec2(p) + 0.5, inside ? dgb_z_at(layer, p) : 0.0, dgb_pack_camera);\n"
+    "}\n"
+    "\n"
+    "vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {\n"
+    "    vec3 here = dgb_position(vec2(p) + 0.5, z, dgb_pack_camera);\n"
+    "    vec3 x    = dgb_edge(here, dgb_point(layer, p - ivec2(1, 0)), dgb_point(layer, p + ivec2(1, 0)));\n"
+    "    vec3 y    = dgb_edge(here, dgb_point(layer, p - ivec2(0, 1)), dgb_point(layer, p + ivec2(0, 1)));\n"
+    "    return dgb_oct16_encode(cross(x / z, y / z)); // free of units; zero without neighbours: +Z, towards the eye\n"
+    "}\n"
+    "#elif DGB_NORMALS_FORMAT == 1\n"
+    "vec2 dgb_normal_bytes(int layer, ivec2 p, float z) { return dgb_normal_at(layer, p).rg; }\n"
+    "#else\n"
+    "vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {\n"
+    "#if DGB_NORMALS_FORMAT == 2\n"
+    "    vec3 n = dgb_normal_at(layer, p) * 2.0 - 1.0;\n"
+    "#else\n"
+    "    vec3 n = dgb_normal_at(layer, p);\n"
+    "#endif\n"
+    "    return dgb_oct16_encode(dgb_pack_rotation[0].xyz * n.x + dgb_pack_rotation[1].xyz * n.y + dgb_pack_rotation[2].xyz * n.z);\n"
+    "}\n"
+    "#endif\n"
+    "\n"
+    "vec3 dgb_packed_radiance(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_storable(dgb_radiance_at(layer, p)) : vec3(0.0); }\n"
+    "\n"
+    "vec2 dgb_packed_normal(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_normal_bytes(layer, p, z) : vec2(0.0); }\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 p         = ivec2(gl_FragCoord.xy);\n"
+    "    float z0        = dgb_z_at(0, p);\n"
+    "    dgb_out_z       = vec4(z0, 0.0, 0.0, 0.0);\n",
+    "    dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);\n"
+    "#if DGB_PACK_RADIANCE\n"
+    "    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0), 1.0);\n"
+    "#endif\n"
+    "#if DGB_LAYERS > 1\n"
+    "    float z1 = dgb_z_at(1, p);\n"
+    "    // strict separation, against the true layer 0: a wrong guess of the oracle becomes a hole\n"
+    "    if (dgb_pack_separation.x >= 0.0 && !dgb_keep_test(z1, z0, dgb_pack_separation.x)) z1 = 0.0;\n"
+    "    dgb_out_z.y        = z1;\n"
+    "    dgb_out_normals.zw = dgb_packed_normal(1, p, z1);\n"
+    "#if DGB_PACK_RADIANCE\n"
+    "    dgb_out_b1 = vec4(dgb_packed_radiance(1, p, z1), 1.0);\n"
+    "#endif\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_mip[] = { /* 30_mip.glsl */
+    "#line 300001\n"
+    "// Mip: texel p copies texel 2p + (p.y & 1, p.x & 1) of the level before. Copying, not averaging: an average of two depths or\n"
+    "// of two encoded normals is neither. dgb_mip_levels stops where the copy would leave the texture.\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "layout(location = 0) out vec4 dgb_out_z;\n"
+    "#if DGB_PACK_RADIANCE\n"
+    "uniform sampler2D dgb_normals;\n"
+    "uniform sampler2D dgb_b0;\n"
+    "layout(location = 1) out vec4 dgb_out_normals;\n"
+    "layout(location = 2) out vec4 dgb_out_b0;\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2D dgb_b1;\n"
+    "layout(location = 3) out vec4 dgb_out_b1;\n"
+    "#endif\n"
+    "#endif\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 p   = ivec2(gl_FragCoord.xy);\n"
+    "    ivec2 q   = 2 * p + (p.yx & 1);\n"
+    "    dgb_out_z = texelFetch(dgb_z, q, 0);\n"
+    "#if DGB_PACK_RADIANCE\n"
+    "    dgb_out_normals = texelFetch(dgb_normals, q, 0);\n"
+    "    dgb_out_b0      = texelFetch(dgb_b0, q, 0);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    dgb_out_b1 = texelFetch(dgb_b1, q, 0);\n"
+    "#endif\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
+    "#line 350001\n"
+    "// Spiral taps, shared by ao and gather (paper, section 3.4). Angles come from tables, so that every implementation lands on\n"
+    "// the same texels.\n"
+    "\n"
+    "uniform sampler2D dgb_rotations;\n"
+    "\n"
+    "struct dgb_tap {\n"
+    "    ivec2 texel; // what to fetch\n"
+    "    int   level; // from this MIP level\n"
+    "    ivec2 pixel; // the level-0 pixel it was copied from: where the surface really is\n"
+    "};\n"
+    "\n"
+    "vec2 dgb_rotation(ivec2 pixel, int frame) { return texelFetch(dgb_rotations, ivec2(dgb_pixel_hash(pixel, frame), 0), 0).rg; }\n"
+    "\n"
+    "// table: cos, sin, kappa of the tap; reach: radius of the spiral in pixels; size: of the buffer; levels: log2 q, min, max.\n"
+    "dgb_tap dgb_tap_at(vec4 table, vec2 rotation, float reach, vec2 centre, ivec2 size, ivec4 levels) {\n"
+    "    vec2    direction = vec2(table.x * rotation.x - table.y * rotation.y, table.x * rotation.y + table.y * rotation.x);\n"
+    "    float   h         = max(reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself\n"
+    "    ivec2   p         = ivec2(clamp(centre + h * direction, vec2(0.0), vec2(size - 1)));\n"
+    "    dgb_tap tap;\n"
+    "    tap.level = dgb_mip_level(h, levels.x, levels.y, levels.z);\n"
+    "    tap.texel = min(p >> tap.level, (size >> tap.level) - 1);\n"
+    "    tap.pixel = dgb_mip_source(tap.texel, tap.level);\n"
+    "    return tap;\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
+    "#line 400001\n"
+    "// Ambient occlusion: Equations 1 and 2 of the paper over one or two layers.\n"
+    "\n"
+    "layout(std140) uniform dgb_ao_block {\n"
+    "    dgb_camera dgb_ao_camera;\n"
+    "    ivec4      dgb_ao_size;   // buffer width, height, taps, frame\n"
+    "    ivec4      dgb_ao_level;  // log2 q, min level, max level\n"
+    "    vec4       dgb_ao_radius; // r (m), 1/r^2, beta (m), epsilon (m^2)\n"
+    "    vec4       dgb_ao_scale;  // pi / taps, intensity, largest reach (pixels)\n"
+    "    vec4       dgb_ao_taps[DGB_MAX_TAPS];\n"
+    "};\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "uniform sampler2D dgb_normals;\n"
+    "\n"
+    "layout(location = 0) out vec4 dgb_out_ao;\n"
+    "\n"
+    "const float DGB_AO_FADE_START = 1.5; // reach in pixels below which there is nothing to sample\n"
+    "const float DGB_AO_FADE_END   = 3.0; // and from which on the result counts in full\n"
+    "\n"
+    "float dgb_occlusion(vec2 ray_z, vec2 ray_1, float z, vec3 x, vec3 n) {\n"
+    "    vec3 v = vec3(ray_z * z + ray_1, z) - x;\n"
+    "    return z != 0.0 ? dgb_ao_term(v, n, dgb_ao_radius.y, dgb_ao_radius.z, dgb_ao_radius.w) : 0.0;\n"
+    "}\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 pixel    = ivec2(gl_FragCoord.xy);\n"
+    "    float z        = texelFetch(dgb_z, pixel, 0).x;\n"
+    "    vec3  x        = dgb_position(gl_FragCoord.xy, z, dgb_ao_camera);\n"
+    "    vec3  n        = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
+    "    float reach    = min(dgb_pixels_per_metre(z, dgb_ao_camera) * dgb_ao_radius.x, dgb_ao_scale.z);\n"
+    "    vec2  rotation = dgb_rotation(pixel, dgb_ao_size.w);\n"
+    "    int   taps     = z != 0.0 && reach > DGB_AO_FADE_START ? dgb_ao_size.z : 0;\n"
+    "    float sum      = 0.0;\n"
+    "    for (int i = 0; i < taps; ++i) {\n"
+    "        dgb_tap tap   = dgb_tap_at(dgb_ao_taps[i], rotation, reach, gl_FragCoord.xy, dgb_ao_size.xy, dgb_ao_level);\n"
+    "        vec2    at    = vec2(tap.pixel) + 0.5;\n"
+    "        vec2    ray_z = at * dgb_ao_camera.position_z.xy + dgb_ao_camera.position_z.zw;\n"
+    "        vec2    ray_1 = at * dgb_ao_camera.position_1.xy + dgb_ao_camera.position_1.zw;\n"
+    "#if DGB_LAYERS > 1\n"
+    "        vec2  zs = texelFetch(dgb_z, tap.texel, tap.level).xy;\n"
+    "        float a  = max(dgb_occlusion(ray_z, ray_1, zs.x, x, n), dgb_occlusion(ray_z, ray_1, zs.y, x, n));\n"
+    "#else\n"
+    "        float a = dgb_occlusion(ray_z, ray_1, texelFetch(dgb_z, tap.texel, tap.level).x, x, n);\n"
+    "#endif\n"
+    "        sum += tap.pixel != pixel ? a : 0.0;\n"
+    "    }\n"
+    "    float visibility = dgb_ambient_visibility(sum, dgb_ao_scale.x);\n"
+    "    visibility       = dgb_ao_scale.y == 1.0 ? visibility : pow(visibility, dgb_ao_scale.y);\n"
+    "    float full       = clamp((reach - DGB_AO_FADE_START) / (DGB_AO_FADE_END - DGB_AO_FADE_START), 0.0, 1.0);\n"
+    "    dgb_out_ao       = vec4(taps > 0 ? mix(1.0, visibility, full) : 1.0);\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
+    "#line 500001\n"
+    "// Radiosity: Equations 4 and 5 of the paper over one or two layers of senders.\n"
+    "\n"
+    "layout(std140) uniform dgb_gather_block {\n"
+    "    dgb_camera dgb_gather_camera;\n"
+    "    ivec4      dgb_gather_size;   // buffer width, height, taps, frame\n"
+    "    ivec4      dgb_gather_level;  // log2 q, min level, max level\n"
+    "    vec4       dgb_gather_radius; // r (m), r^2, normaliser k, largest reach (pixels)\n"
+    "    vec4       dgb_gather_taps[DGB_MAX_TAPS];\n"
+    "};\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "uniform sampler2D dgb_normals;\n"
+    "uniform sampler2D dgb_b0;\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2D dgb_b1;\n"
+    "#endif\n"
+    "\n"
+    "layout(location = 0) out vec4 dgb_out_irradiance;\n"
+    "\n"
+    "// Cosine of what a surface at offset v sends; 0 when it is empty, too far, behind, or faces away.\n"
+    "float dgb_sender(vec3 v, float z, vec3 n, vec2 sender_normal) {\n"
+    "    float cosine = dgb_gather_term(v, n, dgb_gather_radius.y);\n"
+    "#if DGB_NORMAL_TEST\n"
+    "    if (!(dot(v, dgb_oct16_decode(sender_normal)) < 0.0)) cosine = 0.0;\n"
+    "#endif\n"
+    "    return z != 0.0 ? cosine : 0.0;\n"
+    "}\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 pixel    = ivec2(gl_FragCoord.xy);\n"
+    "    float z        = texelFetch(dgb_z, pixel, 0).x;\n"
+    "    vec3  x        = dgb_position(gl_FragCoord.xy, z, dgb_gather_camera);\n"
+    "    vec3  n        = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
+    "    float reach    = min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);\n"
+    "    vec2  rotation = dgb_rotation(pixel, dgb_gather_size.w);\n"
+    "    int   taps     = z != 0.0 && reach > 0.0 ? dgb_gather_size.z : 0;\n"
+    "    vec3  light    = vec3(0.0);\n"
+    "    float cosines = 0.0, senders = 0.0, useful_taps = 0.0;\n"
+    "    for (int i = 0; i < taps; ++i) {\n"
+    "        dgb_tap tap   = dgb_tap_at(dgb_gather_taps[i], rotation, reach, gl_FragCoord.xy, dgb_gather_size.xy, dgb_gather_level);\n"
+    "        vec2    at    = vec2(tap.pixel) + 0.5;\n"
+    "        vec2    ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;\n"
+    "        vec2    ray_1 = at * dgb_gather_camera.position_1.xy + dgb_gather_camera.position_1.zw;\n"
+    "        float   other = tap.pixel != pixel ? 1.0 : 0.0;\n"
+    "        vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;\n"
+    "#if DGB_NORMAL_TEST\n"
+    "        vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);\n"
+    "#else\n"
+    "        vec4 normals = vec4(0.0);\n"
+    "#endif\n"
+    "        float c0 = other * dgb_sender(vec3(ray_z * zs.x + ray_1, zs.x) - x, zs.x, n, normals.xy);\n"
+    "        vec3  l0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb * c0;\n"
+    "#if DGB_LAYERS > 1\n"
+    "        float c1 = other * dgb_sender(vec3(ray_z * zs.y + ray_1, zs.y) - x, zs.y, n, normals.zw);\n"
+    "        vec3  l1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb * c1;\n"
+    "        useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;\n"
+    "#if DGB_STRONGEST_SENDER\n"
+    "        bool first = c1 == 0.0 || (c0 > 0.0 && dot(l0, vec3(1.0)) >= dot(l1, vec3(1.0)));\n"
+    "        c0         = first ? c0 : c1;\n"
+    "        l0         = first ? l0 : l1;\n"
+    "#else\n"
+    "        light += l1;\n"
+    "        cosines += c1;\n"
+    "        senders += c1 > 0.0 ? 1.0 : 0.0;\n"
+    "#endif\n"
+    "#else\n"
+    "        useful_taps += c0 > 0.0 ? 1.0 : 0.0;\n"
+    "#endif\n"
+    "        light += l0;\n"
+    "        cosines += c0;\n"
+    "        senders += c0 > 0.0 ? 1.0 : 0.0;\n"
+    "    }\n"
+    "    vec3 irradiance    = light * dgb_gather_scale(cosines, senders, dgb_gather_radius.z);\n"
+    "    dgb_out_irradiance = vec4(dgb_storable(irradiance), taps > 0 ? useful_taps / float(taps) : 0.0);\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
+    "#line 600001\n"
+    "// Reconstruction: separable bilateral filter with normal and plane weights over ambient visibility, irradiance and\n"
+    "// confidence together; run along x, then along y.\n"
+    "\n"
+    "layout(std140) uniform dgb_reconstruct_block {\n"
+    "    dgb_camera dgb_reconstruct_camera;\n"
+    "    ivec4      dgb_reconstruct_rect;      // shaded rectangle: x0, y0, x1, y1 inclusive\n"
+    "    ivec4      dgb_reconstruct_axis;      // step in x, in y, taps on one side\n"
+    "    vec4       dgb_reconstruct_sharpness; // normal, plane\n"
+    "    vec4       dgb_reconstruct_weights[DGB_MAX_FILTER_RADIUS + 1];\n"
+    "};\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "uniform sampler2D dgb_normals;\n"
+    "#if DGB_FILTER_AO\n"
+    "uniform sampler2D dgb_ao_raw;\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "uniform sampler2D dgb_irradiance_raw;\n"
+    "#endif\n"
+    "\n"
+    "#if DGB_FILTER_AO\n"
+    "layout(location = 0) out vec4 dgb_out_ao;\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "layout(location = DGB_FILTER_AO) out vec4 dgb_out_irradiance;\n"
+    "#endif\n"
+    "\n"
+    "float dgb_weight_at(ivec2 p, vec3 x, vec3 n) {\n"
+    "    float z      = texelFetch(dgb_z, p, 0).x;\n"
+    "    vec3  n2     = dgb_oct16_decode(texelFetch(dgb_normals, p, 0).xy);\n"
+    "    vec3  dq     = dgb_position(vec2(p) + 0.5, z, dgb_reconstruct_camera) - x;\n"
+    "    float weight = dgb_bilateral_weight(n, n2, dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);\n"
+    "    return z != 0.0 ? weight : 0.0;\n"
+    "}\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 pixel = ivec2(gl_FragCoord.xy);\n"
+    "    float z     = texelFetch(dgb_z, pixel, 0).x;\n"
+    "    vec3  x     = dgb_position(gl_FragCoord.xy, z, dgb_reconstruct_camera);\n"
+    "    vec3  n     = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
+    "    int   side  = z != 0.0 ? dgb_reconstruct_axis.z : 0;\n"
+    "    float total = dgb_reconstruct_weights[0].x;\n"
+    "#if DGB_FILTER_AO\n"
+    "    float ao = total * texelFetch(dgb_ao_raw, pixel, 0).x;\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "    vec4 irradiance = total * texelFetch(dgb_irradiance_raw, pixel, 0);\n"
+    "#endif\n"
+    "    for (int i = -side; i <= side; ++i) {\n"
+    "        ivec2 p      = pixel + i * dgb_reconstruct_axis.xy;\n"
+    "        ivec2 inside = clamp(p, dgb_reconstruct_rect.xy, dgb_reconstruct_rect.zw);\n"
+    "        float weight = i != 0 && p == inside ? dgb_reconstruct_weights[abs(i)].x * dgb_weight_at(inside, x, n) : 0.0;\n"
+    "        total += weight;\n"
+    "#if DGB_FILTER_AO\n"
+    "        ao += weight * texelFetch(dgb_ao_raw, inside, 0).x;\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "        irradiance += weight * texelFetch(dgb_irradiance_raw, inside, 0);\n"
+    "#endif\n"
+    "    }\n"
+    "#if DGB_FILTER_AO\n"
+    "    dgb_out_ao = vec4(ao / total);\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "    dgb_out_irradiance = vec4(dgb_storable(irradiance.rgb / total), irradiance.a / total);\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+/* clang-format on */
+/* << embedded GLSL */
+
+/* >> GL values */
+
+enum {
+    DGBGLI_FALSE = 0,
+    DGBGLI_TRUE = 1,
+    DGBGLI_TRIANGLES = 0x0004,
+    DGBGLI_LESS = 0x0201,
+    DGBGLI_GREATER = 0x0204,
+    DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_OUT_OF_MEMORY = 0x0505,
+    DGBGLI_POLYGON_MODE = 0x0B40,
+    DGBGLI_CULL_FACE = 0x0B44,
+    DGBGLI_DEPTH_RANGE = 0x0B70,
+    DGBGLI_DEPTH_TEST = 0x0B71,
+    DGBGLI_DEPTH_WRITEMASK = 0x0B72,
+    DGBGLI_DEPTH_FUNC = 0x0B74,
+    DGBGLI_STENCIL_TEST = 0x0B90,
+    DGBGLI_VIEWPORT = 0x0BA2,
+    DGBGLI_DITHER = 0x0BD0,
+    DGBGLI_BLEND = 0x0BE2,
+    DGBGLI_COLOR_LOGIC_OP = 0x0BF2,
+    DGBGLI_SCISSOR_TEST = 0x0C11,
+    DGBGLI_COLOR_WRITEMASK = 0x0C23,
+    DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
+    DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
+    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
+    DGBGLI_UNPACK_ALIGNMENT = 0x0CF5,
+    DGBGLI_MAX_TEXTURE_SIZE = 0x0D33,
+    DGBGLI_TEXTURE_2D = 0x0DE1,
+    DGBGLI_UNSIGNED_BYTE = 0x1401,
+    DGBGLI_UNSIGNED_INT = 0x1405,
+    DGBGLI_FLOAT = 0x1406,
+    DGBGLI_COLOR = 0x1800,
+    DGBGLI_DEPTH = 0x1801,
+    DGBGLI_TEXTURE = 0x1702,
+    DGBGLI_DEPTH_COMPONENT = 0x1902,
+    DGBGLI_RED = 0x1903,
+    DGBGLI_RGB = 0x1907,
+    DGBGLI_RGBA = 0x1908,
+    DGBGLI_FILL = 0x1B02,
+    DGBGLI_VERSION = 0x1F02,
+    DGBGLI_EXTENSIONS = 0x1F03,
+    DGBGLI_NEAREST = 0x2600,
+    DGBGLI_TEXTURE_MAG_FILTER = 0x2800,
+    DGBGLI_TEXTURE_MIN_FILTER = 0x2801,
+    DGBGLI_TEXTURE_WRAP_S = 0x2802,
+    DGBGLI_TEXTURE_WRAP_T = 0x2803,
+    DGBGLI_CLIP_DISTANCE0 = 0x3000,
+    DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
+    DGBGLI_RGBA8 = 0x8058,
+    DGBGLI_TEXTURE_BINDING_2D = 0x8069,
+    DGBGLI_VERTEX_ARRAY = 0x8074,
+    DGBGLI_UNPACK_SKIP_IMAGES = 0x806D,
+    DGBGLI_UNPACK_IMAGE_HEIGHT = 0x806E,
+    DGBGLI_MULTISAMPLE = 0x809D,
+    DGBGLI_SAMPLE_ALPHA_TO_COVERAGE = 0x809E,
+    DGBGLI_SAMPLE_COVERAGE = 0x80A0,
+    DGBGLI_CLAMP_TO_EDGE = 0x812F,
+    DGBGLI_TEXTURE_BASE_LEVEL = 0x813C,
+    DGBGLI_TEXTURE_MAX_LEVEL = 0x813D,
+    DGBGLI_DEPTH_COMPONENT16 = 0x81A5,
+    DGBGLI_DEPTH_COMPONENT24 = 0x81A6,
+    DGBGLI_MAJOR_VERSION = 0x821B,
+    DGBGLI_MINOR_VERSION = 0x821C,
+    DGBGLI_NUM_EXTENSIONS = 0x821D,
+    DGBGLI_RG = 0x8227,
+    DGBGLI_R8 = 0x8229,
+    DGBGLI_RG8 = 0x822B,
+    DGBGLI_R32F = 0x822E,
+    DGBGLI_RG16F = 0x822F,
+    DGBGLI_RG32F = 0x8230,
+    DGBGLI_DEBUG_SOURCE_APPLICATION = 0x824A,
+    DGBGLI_MAX_VIEWPORTS = 0x825B,
+    DGBGLI_PROGRAM = 0x82E2,
+    DGBGLI_BUFFER = 0x82E0,
+    DGBGLI_SAMPLER = 0x82E6,
+    DGBGLI_TEXTURE0 = 0x84C0,
+    DGBGLI_ACTIVE_TEXTURE = 0x84E0,
+    DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
+    DGBGLI_DEPTH_CLAMP = 0x864F,
+    DGBGLI_QUERY_RESULT = 0x8866,
+    DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
+    DGBGLI_RGBA16F = 0x881A,
+    DGBGLI_MAX_DRAW_BUFFERS = 0x8824,
+    DGBGLI_STREAM_DRAW = 0x88E0,
+    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
+    DGBGLI_PIXEL_UNPACK_BUFFER = 0x88EC,
+    DGBGLI_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
+    DGBGLI_MAX_ARRAY_TEXTURE_LAYERS = 0x88FF,
+    DGBGLI_SAMPLER_BINDING = 0x8919,
+    DGBGLI_UNIFORM_BUFFER = 0x8A11,
+    DGBGLI_UNIFORM_BUFFER_BINDING = 0x8A28,
+    DGBGLI_UNIFORM_BUFFER_START = 0x8A29,
+    DGBGLI_UNIFORM_BUFFER_SIZE = 0x8A2A,
+    DGBGLI_FRAGMENT_SHADER = 0x8B30,
+    DGBGLI_VERTEX_SHADER = 0x8B31,
+    DGBGLI_COMPILE_STATUS = 0x8B81,
+    DGBGLI_LINK_STATUS = 0x8B82,
+    DGBGLI_CURRENT_PROGRAM = 0x8B8D,
+    DGBGLI_R11F_G11F_B10F = 0x8C3A,
+    DGBGLI_TEXTURE_2D_ARRAY = 0x8C1A,
+    DGBGLI_TEXTURE_BINDING_2D_ARRAY = 0x8C1D,
+    DGBGLI_RASTERIZER_DISCARD = 0x8C89,
+    DGBGLI_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
+    DGBGLI_READ_FRAMEBUFFER = 0x8CA8,
+    DGBGLI_DRAW_FRAMEBUFFER = 0x8CA9,
+    DGBGLI_READ_FRAMEBUFFER_BINDING = 0x8CAA,
+    DGBGLI_DEPTH_COMPONENT32F = 0x8CAC,
+    DGBGLI_FRAMEBUFFER_COMPLETE = 0x8CD5,
+    DGBGLI_COLOR_ATTACHMENT0 = 0x8CE0,
+    DGBGLI_DEPTH_ATTACHMENT = 0x8D00,
+    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
+    DGBGLI_FRAMEBUFFER = 0x8D40,
+    DGBGLI_FRAMEBUFFER_SRGB = 0x8DB9,
+    DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES = 0x8DE0,
+    DGBGLI_TIMESTAMP = 0x8E28,
+    DGBGLI_SAMPLE_MASK = 0x8E51,
+    DGBGLI_PRIMITIVE_RESTART = 0x8F9D,
+    DGBGLI_LOWER_LEFT = 0x8CA1,
+    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
+    DGBGLI_ZERO_TO_ONE = 0x935F,
+    DGBGLI_CLIP_ORIGIN = 0x935C,
+    DGBGLI_CLIP_DEPTH_MODE = 0x935D
+};
+
+/* One row a format: internal format, format and type of an upload. */
+static const struct {
+    unsigned int internal, format, type;
+} dgbgli_formats[DGB_FORMAT_COUNT] = {
+    {0, 0, 0},
+    {DGBGLI_R8, DGBGLI_RED, DGBGLI_UNSIGNED_BYTE},
+    {DGBGLI_RG8, DGBGLI_RG, DGBGLI_UNSIGNED_BYTE},
+    {DGBGLI_RGBA8, DGBGLI_RGBA, DGBGLI_UNSIGNED_BYTE},
+    {DGBGLI_R11F_G11F_B10F, DGBGLI_RGB, DGBGLI_FLOAT},
+    {DGBGLI_RG16F, DGBGLI_RG, DGBGLI_FLOAT},
+    {DGBGLI_RGBA16F, DGBGLI_RGBA, DGBGLI_FLOAT},
+    {DGBGLI_R32F, DGBGLI_RED, DGBGLI_FLOAT},
+    {DGBGLI_RG32F, DGBGLI_RG, DGBGLI_FLOAT},
+    {DGBGLI_DEPTH_COMPONENT16, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
+    {DGBGLI_DEPTH_COMPONENT24, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
+    {DGBGLI_DEPTH_COMPONENT32F, DGBGLI_DEPTH_COMPONENT, DGBGLI_FLOAT}};
+
+/* >> text: a bounded string that counts what it would have held */
+
+typedef struct dgbgli_text {
+    char*  out;
+    size_t capacity, length;
+} dgbgli_text;
+
+static dgbgli_text dgbgli_text_on(char* out, size_t capacity) {
+    dgbgli_text t;
+    t.out      = out;
+    t.capacity = out ? capacity : 0;
+    t.length   = 0;
+    if (t.capacity) out[0] = 0;
+    return t;
+}
+
+static void dgbgli_put(dgbgli_text* t, const char* s) {
+    const size_t n    = strlen(s);
+    const size_t room = t->capacity > t->length + 1 ? t->capacity - t->length - 1 : 0;
+    const size_t used = n < room ? n : room;
+    if (used) memcpy(t->out + t->length, s, used);
+    if (t->capacity && (used || room)) t->out[t->length + used] = 0;
+    t->length += n;
+}
+
+static void dgbgli_put_int(dgbgli_text* t, int value) {
+    char     digits[12];
+    int      at    = 11;
+    unsigned rest  = value < 0 ? 0u - (unsigned)value : (unsigned)value;
+    digits[at]     = 0;
+    do digits[--at] = (char)('0' + rest % 10u);
+    while ((rest /= 10u) != 0u);
+    if (value < 0) digits[--at] = '-';
+    dgbgli_put(t, digits + at);
+}
+
+static void dgbgli_put_define(dgbgli_text* t, const char* name, int value) {
+    dgbgli_put(t, "#define ");
+    dgbgli_put(t, name);
+    dgbgli_put(t, " ");
+    dgbgli_put_int(t, value);
+    dgbgli_put(t, "\n");
+}
+
+static void dgbgli_put_chunks(dgbgli_text* t, const char* const* chunks) {
+    while (*chunks) dgbgli_put(t, *chunks++);
+}
+
+static void dgbgli_put_version(dgbgli_text* t, int version, bool es) {
+    dgbgli_put(t, "#version ");
+    dgbgli_put_int(t, es ? 300 : version >= 410 ? 410 : 330);
+    dgbgli_put(t, es ? " es\n" : " core\n");
+}
+
+static void dgbgli_put_precision(dgbgli_text* t, bool es) {
+    if (es)
+        dgbgli_put(t, "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
+                      "precision highp sampler2DArray;\n");
+}
+
+static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char* detail) {
+    char        buffer[2560];
+    dgbgli_text t = dgbgli_text_on(buffer, sizeof buffer);
+    if (!gl->desc.message) return;
+    dgbgli_put(&t, what);
+    dgbgli_put(&t, ": ");
+    dgbgli_put(&t, detail);
+    gl->desc.message(gl->desc.message_user, buffer);
+}
+
+/* >> state: what a pass may change is saved at begin and put back at end */
+
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. */
+static const struct {
+    unsigned int name;
+    int          since;    /* desktop version */
+    int          since_es; /* 0: not in ES */
+} dgbgli_toggles[DGBGL_TOGGLE_COUNT] = {{DGBGLI_DEPTH_TEST, 330, 300},
+                                        {DGBGLI_STENCIL_TEST, 330, 300},
+                                        {DGBGLI_CULL_FACE, 330, 300},
+                                        {DGBGLI_DITHER, 330, 300},
+                                        {DGBGLI_POLYGON_OFFSET_FILL, 330, 300},
+                                        {DGBGLI_SAMPLE_ALPHA_TO_COVERAGE, 330, 300},
+                                        {DGBGLI_SAMPLE_COVERAGE, 330, 300},
+                                        {DGBGLI_RASTERIZER_DISCARD, 330, 300},
+                                        {DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX, 430, 300},
+                                        {DGBGLI_SAMPLE_MASK, 330, 310},
+                                        {DGBGLI_COLOR_LOGIC_OP, 330, 0},
+                                        {DGBGLI_MULTISAMPLE, 330, 0},
+                                        {DGBGLI_DEPTH_CLAMP, 330, 0},
+                                        {DGBGLI_PRIMITIVE_RESTART, 330, 0},
+                                        {DGBGLI_FRAMEBUFFER_SRGB, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 1, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 2, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 3, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 4, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 5, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 6, 330, 0},
+                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0},
+                                        {DGBGLI_BLEND, 0, 300},
+                                        {DGBGLI_SCISSOR_TEST, 0, 300}};
+
+/* Blend and scissor appear in the table for ES only: on the desktop they are kept for each buffer and viewport. */
+static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
+    const int since = b->es ? dgbgli_toggles[i].since_es : dgbgli_toggles[i].since;
+    return since != 0 && b->version >= since;
+}
+
+static const unsigned int dgbgli_unpack[6] = {DGBGLI_UNPACK_ROW_LENGTH, DGBGLI_UNPACK_SKIP_ROWS,   DGBGLI_UNPACK_SKIP_PIXELS,
+                                              DGBGLI_UNPACK_ALIGNMENT,  DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES};
+
+static int dgbgli_get(const dgbgl_backend* b, unsigned int name) {
+    int value[4] = {0, 0, 0, 0};
+    b->gl.GetIntegerv(name, value);
+    return value[0];
+}
+
+static void dgbgli_enable(const dgbgl_backend* b, unsigned int name, bool on) {
+    if (on)
+        b->gl.Enable(name);
+    else
+        b->gl.Disable(name);
+}
+
+static int dgbgli_viewport_count(const dgbgl_backend* b) { return b->indexed_viewports ? DGBGL_MAX_VIEWPORTS : 1; }
+
+static int dgbgli_buffer_count(const dgbgl_backend* b) { return b->indexed_buffers ? DGBGL_MAX_DRAW_BUFFERS : 1; }
+
+/* Units that are saved: those of the full-screen passes, then the oracle's. */
+static int dgbgli_saved_unit(const dgbgl_backend* b, int i) { return i < DGBGL_MAX_UNITS ? i : b->desc.oracle_unit; }
+
+static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
+    int i;
+    for (i = 0; i < dgbgli_viewport_count(b); ++i) {
+        if (b->indexed_viewports) {
+            b->gl.GetFloati_v(DGBGLI_VIEWPORT, (unsigned)i, s->viewports[i]);
+            b->gl.GetDoublei_v(DGBGLI_DEPTH_RANGE, (unsigned)i, s->depth_ranges[i]);
+            s->scissor[i] = b->gl.IsEnabledi(DGBGLI_SCISSOR_TEST, (unsigned)i);
+        } else {
+            float range[2];
+            b->gl.GetFloatv(DGBGLI_VIEWPORT, s->viewports[0]);
+            b->gl.GetFloatv(DGBGLI_DEPTH_RANGE, range);
+            s->depth_ranges[0][0] = (double)range[0];
+            s->depth_ranges[0][1] = (double)range[1];
+            s->scissor[0]         = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST);
+        }
+    }
+    for (i = 0; i < dgbgli_buffer_count(b); ++i) {
+        if (b->indexed_buffers) {
+            s->blend[i] = b->gl.IsEnabledi(DGBGLI_BLEND, (unsigned)i);
+            b->gl.GetBooleani_v(DGBGLI_COLOR_WRITEMASK, (unsigned)i, s->color_mask[i]);
+        } else {
+            int mask[4], channel;
+            b->gl.GetIntegerv(DGBGLI_COLOR_WRITEMASK, mask);
+            for (channel = 0; channel < 4; ++channel) s->color_mask[0][channel] = (unsigned char)mask[channel];
+            s->blend[0] = b->gl.IsEnabled(DGBGLI_BLEND);
+        }
+    }
+    for (i = 0; i < DGBGL_TOGGLE_COUNT; ++i)
+        if (dgbgli_has_toggle(b, i)) s->toggles[i] = b->gl.IsEnabled(dgbgli_toggles[i].name);
+    s->depth_mask = dgbgli_get(b, DGBGLI_DEPTH_WRITEMASK);
+    s->depth_func = dgbgli_get(b, DGBGLI_DEPTH_FUNC);
+    if (b->gl.PolygonMode) b->gl.GetIntegerv(DGBGLI_POLYGON_MODE, s->polygon_mode);
+    if (b->gl.ClipControl) {
+        s->clip_origin = dgbgli_get(b, DGBGLI_CLIP_ORIGIN);
+        s->clip_depth  = dgbgli_get(b, DGBGLI_CLIP_DEPTH_MODE);
+    }
+}
+
+static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
+    const unsigned int binding = (unsigned)b->desc.uniform_binding;
+    int                i;
+    s->draw_framebuffer = dgbgli_get(b, DGBGLI_DRAW_FRAMEBUFFER_BINDING);
+    s->read_framebuffer = dgbgli_get(b, DGBGLI_READ_FRAMEBUFFER_BINDING);
+    s->program          = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
+    s->vertex_array     = dgbgli_get(b, DGBGLI_VERTEX_ARRAY_BINDING);
+    s->uniform_buffer   = dgbgli_get(b, DGBGLI_UNIFORM_BUFFER_BINDING);
+    b->gl.GetIntegeri_v(DGBGLI_UNIFORM_BUFFER_BINDING, binding, &s->uniform_binding);
+    b->gl.GetInteger64i_v(DGBGLI_UNIFORM_BUFFER_START, binding, &s->uniform_start);
+    b->gl.GetInteger64i_v(DGBGLI_UNIFORM_BUFFER_SIZE, binding, &s->uniform_size);
+    s->active_texture = dgbgli_get(b, DGBGLI_ACTIVE_TEXTURE);
+    for (i = 0; i <= DGBGL_MAX_UNITS; ++i) {
+        b->gl.ActiveTexture((unsigned)(DGBGLI_TEXTURE0 + dgbgli_saved_unit(b, i)));
+        s->textures_2d[i]    = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D);
+        s->textures_array[i] = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D_ARRAY);
+        s->samplers[i]       = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
+    }
+    s->unpack_buffer = dgbgli_get(b, DGBGLI_PIXEL_UNPACK_BUFFER_BINDING);
+    for (i = 0; i < 6; ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
+}
+
+static void dgbgli_depth_range(const dgbgl_backend* b, double near_value, double far_value) {
+    if (b->gl.DepthRangef)
+        b->gl.DepthRangef((float)near_value, (float)far_value);
+    else
+        b->gl.DepthRange(near_value, far_value);
+}
+
+/* The state every pass starts from. */
+static void dgbgli_set_defaults(const dgbgl_backend* b) {
+    int i;
+    for (i = 0; i < DGBGL_TOGGLE_COUNT; ++i)
+        if (dgbgli_has_toggle(b, i)) b->gl.Disable(dgbgli_toggles[i].name);
+    b->gl.Disable(DGBGLI_BLEND);
+    b->gl.Disable(DGBGLI_SCISSOR_TEST);
+    b->gl.ColorMask(DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE);
+    b->gl.DepthMask(DGBGLI_TRUE);
+    dgbgli_depth_range(b, 0.0, 1.0);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
+    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], dgbgli_unpack[i] == DGBGLI_UNPACK_ALIGNMENT ? 1 : 0);
+}
+
+static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) {
+    int i;
+    for (i = 0; i < dgbgli_viewport_count(b); ++i) {
+        const float* v = s->viewports[i];
+        if (b->indexed_viewports) {
+            b->gl.ViewportIndexedf((unsigned)i, v[0], v[1], v[2], v[3]);
+            b->gl.DepthRangeIndexed((unsigned)i, s->depth_ranges[i][0], s->depth_ranges[i][1]);
+            (s->scissor[i] ? b->gl.Enablei : b->gl.Disablei)(DGBGLI_SCISSOR_TEST, (unsigned)i);
+        } else {
+            b->gl.Viewport((int)v[0], (int)v[1], (int)v[2], (int)v[3]);
+            dgbgli_depth_range(b, s->depth_ranges[0][0], s->depth_ranges[0][1]);
+            dgbgli_enable(b, DGBGLI_SCISSOR_TEST, s->scissor[0] != 0);
+        }
+    }
+    for (i = 0; i < dgbgli_buffer_count(b); ++i) {
+        const unsigned char* m = s->color_mask[i];
+        if (b->indexed_buffers) {
+            (s->blend[i] ? b->gl.Enablei : b->gl.Disablei)(DGBGLI_BLEND, (unsigned)i);
+            b->gl.ColorMaski((unsigned)i, m[0], m[1], m[2], m[3]);
+        } else {
+            dgbgli_enable(b, DGBGLI_BLEND, s->blend[0] != 0);
+            b->gl.ColorMask(m[0], m[1], m[2], m[3]);
+        }
+    }
+    for (i = 0; i < DGBGL_TOGGLE_COUNT; ++i)
+        if (dgbgli_has_toggle(b, i)) dgbgli_enable(b, dgbgli_toggles[i].name, s->toggles[i] != 0);
+    b->gl.DepthMask((unsigned char)s->depth_mask);
+    b->gl.DepthFunc((unsigned)s->depth_func);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, (unsigned)s->polygon_mode[0]);
+    if (b->gl.ClipControl) b->gl.ClipControl((unsigned)s->clip_origin, (unsigned)s->clip_depth);
+}
+
+static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s) {
+    const unsigned int binding = (unsigned)b->desc.uniform_binding;
+    int                i;
+    b->gl.BindFramebuffer(DGBGLI_DRAW_FRAMEBUFFER, (unsigned)s->draw_framebuffer);
+    b->gl.BindFramebuffer(DGBGLI_READ_FRAMEBUFFER, (unsigned)s->read_framebuffer);
+    /* a program that was deleted while in use is gone once another was used */
+    b->gl.UseProgram(b->gl.IsProgram((unsigned)s->program) ? (unsigned)s->program : 0);
+    b->gl.BindVertexArray((unsigned)s->vertex_array);
+    if (s->uniform_size > 0)
+        b->gl.BindBufferRange(DGBGLI_UNIFORM_BUFFER, binding, (unsigned)s->uniform_binding, (ptrdiff_t)s->uniform_start,
+                              (ptrdiff_t)s->uniform_size);
+    else
+        b->gl.BindBufferBase(DGBGLI_UNIFORM_BUFFER, binding, (unsigned)s->uniform_binding);
+    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, (unsigned)s->uniform_buffer);
+    for (i = 0; i <= DGBGL_MAX_UNITS; ++i) {
+        const int unit = dgbgli_saved_unit(b, i);
+        b->gl.ActiveTexture((unsigned)(DGBGLI_TEXTURE0 + unit));
+        b->gl.BindTexture(DGBGLI_TEXTURE_2D, (unsigned)s->textures_2d[i]);
+        b->gl.BindTexture(DGBGLI_TEXTURE_2D_ARRAY, (unsigned)s->textures_array[i]);
+        b->gl.BindSampler((unsigned)unit, (unsigned)s->samplers[i]);
+    }
+    b->gl.ActiveTexture((unsigned)s->active_texture);
+    b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, (unsigned)s->unpack_buffer);
+    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
+}
+
+static void dgbgli_begin(void* user) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    if (!b->desc.keep_state) {
+        dgbgli_save_raster(b, &b->state);
+        dgbgli_save_bindings(b, &b->state);
+    }
+    dgbgli_set_defaults(b);
+}
+
+static void dgbgli_end(void* user) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    if (b->desc.keep_state) return;
+    dgbgli_restore_raster(b, &b->state);
+    dgbgli_restore_bindings(b, &b->state);
+}
+
+/* >> textures: the handle holds the GL name, and in its upper half whether it is an array */
+
+static bool dgbgli_is_array(dgb_texture texture) { return texture.id >> 32 != 0; }
+
+static unsigned int dgbgli_target(dgb_texture texture) {
+    return dgbgli_is_array(texture) ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
+}
+
+DGB_API dgb_texture dgbgl_texture(unsigned int name) {
+    dgb_texture texture;
+    texture.id = name;
+    return texture;
+}
+
+DGB_API unsigned int dgbgl_texture_name(dgb_texture texture) { return (unsigned int)(texture.id & 0xffffffffu); }
+
+static void dgbgli_allocate(const dgbgl_backend* b, const dgb_texture_desc* d, unsigned int target) {
+    const unsigned int internal = dgbgli_formats[d->format].internal, format = dgbgli_formats[d->format].format,
+                       type = dgbgli_formats[d->format].type;
+    int level;
+    if (d->layers && b->gl.TexStorage3D) {
+        b->gl.TexStorage3D(target, d->levels, internal, d->width, d->height, d->layers);
+    } else if (!d->layers && b->gl.TexStorage2D) {
+        b->gl.TexStorage2D(target, d->levels, internal, d->width, d->height);
+    } else {
+        for (level = 0; level < d->levels; ++level) {
+            const int w = d->width >> level, h = d->height >> level;
+            if (d->layers)
+                b->gl.TexImage3D(target, level, (int)internal, w, h, d->layers, 0, format, type, NULL);
+            else
+                b->gl.TexImage2D(target, level, (int)internal, w, h, 0, format, type, NULL);
+        }
+    }
+    if (d->pixels) b->gl.TexSubImage2D(target, 0, 0, 0, d->width, d->height, format, type, d->pixels);
+}
+
+static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int name, const char* what) {
+    char        label[64];
+    dgbgli_text t = dgbgli_text_on(label, sizeof label);
+    dgbgli_put(&t, "dgb ");
+    dgbgli_put(&t, what);
+    if (b->gl.ObjectLabel) b->gl.ObjectLabel(kind, name, -1, label);
+}
+
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded, since a lost context may
+   report for ever. */
+static void dgbgli_drain_errors(const dgbgl_backend* b) {
+    int i;
+    for (i = 0; i < 16 && b->gl.GetError(); ++i) {
+    }
+}
+
+static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, dgb_texture* texture) {
+    dgbgl_backend*     b      = (dgbgl_backend*)user;
+    const unsigned int target = d->layers ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
+    unsigned int       name = 0, error;
+    dgbgli_drain_errors(b);
+    b->gl.GenTextures(1, &name);
+    b->gl.ActiveTexture(DGBGLI_TEXTURE0);
+    b->gl.BindTexture(target, name);
+    dgbgli_allocate(b, d, target);
+    b->gl.TexParameteri(target, DGBGLI_TEXTURE_MAX_LEVEL, d->levels - 1);
+    b->gl.TexParameteri(target, DGBGLI_TEXTURE_MIN_FILTER, DGBGLI_NEAREST);
+    b->gl.TexParameteri(target, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
+    b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
+    b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
+    error = b->gl.GetError();
+    if (error || !name) {
+        b->gl.DeleteTextures(1, &name);
+        return error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
+    }
+    dgbgli_label(b, DGBGLI_TEXTURE, name, dgb_slot_name(d->slot));
+    texture->id = (uint64_t)name | (d->layers ? (uint64_t)1 << 32 : 0);
+    return DGB_OK;
+}
+
+static bool dgbgli_framebuffer_uses(const dgbgl_backend* b, int i, dgb_texture texture) {
+    int t;
+    for (t = 0; t < b->framebuffers[i].count; ++t)
+        if (b->framebuffers[i].targets[t].texture.id == texture.id) return true;
+    return false;
+}
+
+static void dgbgli_drop_framebuffer(dgbgl_backend* b, int i) {
+    if (!b->framebuffers[i].name) return;
+    b->gl.DeleteFramebuffers(1, &b->framebuffers[i].name);
+    memset(&b->framebuffers[i], 0, sizeof b->framebuffers[i]);
+}
+
+static void dgbgli_texture_destroy(void* user, dgb_texture texture) {
+    dgbgl_backend*     b    = (dgbgl_backend*)user;
+    const unsigned int name = dgbgl_texture_name(texture);
+    int                i;
+    for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i)
+        if (dgbgli_framebuffer_uses(b, i, texture)) dgbgli_drop_framebuffer(b, i);
+    b->gl.DeleteTextures(1, &name);
+}
+
+/* >> programs */
+
+typedef struct dgbgli_chunks { /* shader text as GL takes it: pieces */
+    const char* pieces[48];
+    int         count;
+} dgbgli_chunks;
+
+static void dgbgli_add_chunks(dgbgli_chunks* c, const char* const* chunks) {
+    while (*chunks) {
+        DGB_ASSERT(c->count < (int)(sizeof c->pieces / sizeof c->pieces[0]));
+        c->pieces[c->count++] = *chunks++;
+    }
+}
+
+static void dgbgli_put_pass_head(dgbgli_text* t, const dgb_program_desc* d, int version, bool es) {
+    int i;
+    dgbgli_put_version(t, version, es);
+    dgbgli_put_precision(t, es);
+    dgbgli_put_define(t, "DGB_MAX_TAPS", DGB_MAX_TAPS);
+    dgbgli_put_define(t, "DGB_MAX_FILTER_RADIUS", DGB_MAX_FILTER_RADIUS);
+    for (i = 0; i < d->define_count; ++i) dgbgli_put_define(t, d->defines[i].name, d->defines[i].value);
+}
+
+static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunks* c) {
+    if (stage == DGBGL_VERTEX) {
+        dgbgli_add_chunks(c, dgbgli_glsl_fullscreen);
+        return;
+    }
+    dgbgli_add_chunks(c, dgbgli_glsl_common);
+    if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
+    switch (pass) {
+    case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
+    case DGB_PASS_MIP: dgbgli_add_chunks(c, dgbgli_glsl_mip); break;
+    case DGB_PASS_AO: dgbgli_add_chunks(c, dgbgli_glsl_ao); break;
+    case DGB_PASS_GATHER: dgbgli_add_chunks(c, dgbgli_glsl_gather); break;
+    case DGB_PASS_RECONSTRUCT: dgbgli_add_chunks(c, dgbgli_glsl_reconstruct); break;
+    case DGB_PASS_LAYERS: /* the engine's own */
+    case DGB_PASS_COUNT: break;
+    }
+}
+
+DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
+                                 size_t capacity) {
+    dgbgli_text   t = dgbgli_text_on(text, capacity);
+    dgbgli_chunks c;
+    int           i;
+    if (!program) return 0;
+    c.count = 0;
+    dgbgli_put_pass_head(&t, program, version, es);
+    dgbgli_pass_chunks(program->pass, stage, &c);
+    for (i = 0; i < c.count; ++i) dgbgli_put(&t, c.pieces[i]);
+    return t.length;
+}
+
+/* A compiled shader, or 0 and a message. */
+static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_desc* d, dgbgl_stage stage) {
+    const unsigned int shader = b->gl.CreateShader(stage == DGBGL_VERTEX ? DGBGLI_VERTEX_SHADER : DGBGLI_FRAGMENT_SHADER);
+    char               head[1024], log[2048];
+    dgbgli_text        t = dgbgli_text_on(head, sizeof head);
+    dgbgli_chunks      c;
+    int                ok = 0;
+    c.pieces[0]          = head;
+    c.count              = 1;
+    dgbgli_put_pass_head(&t, d, b->version, b->es);
+    dgbgli_pass_chunks(d->pass, stage, &c);
+    b->gl.ShaderSource(shader, c.count, c.pieces, NULL);
+    b->gl.CompileShader(shader);
+    b->gl.GetShaderiv(shader, DGBGLI_COMPILE_STATUS, &ok);
+    if (ok) return shader;
+    log[0] = 0;
+    b->gl.GetShaderInfoLog(shader, (int)sizeof log, NULL, log);
+    dgbgli_message(b, dgb_pass_name(d->pass), log);
+    b->gl.DeleteShader(shader);
+    return 0;
+}
+
+static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* d, unsigned int vertex, unsigned int fragment) {
+    const unsigned int program = b->gl.CreateProgram();
+    char               log[2048];
+    int                ok = 0;
+    b->gl.AttachShader(program, vertex);
+    b->gl.AttachShader(program, fragment);
+    b->gl.LinkProgram(program);
+    b->gl.GetProgramiv(program, DGBGLI_LINK_STATUS, &ok);
+    if (ok) return program;
+    log[0] = 0;
+    b->gl.GetProgramInfoLog(program, (int)sizeof log, NULL, log);
+    dgbgli_message(b, dgb_pass_name(d->pass), log);
+    b->gl.DeleteProgram(program);
+    return 0;
+}
+
+/* Texture unit of a slot. No pass reads two slots that share one. */
+static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
+    switch (slot) {
+    case DGB_Z:
+    case DGB_DEPTH:
+    case DGB_ENGINE_DEPTH0: return 0;
+    case DGB_NORMALS:
+    case DGB_NORMAL:
+    case DGB_ENGINE_NORMAL0: return 1;
+    case DGB_B0:
+    case DGB_RADIANCE:
+    case DGB_AO_RAW:
+    case DGB_ENGINE_RADIANCE0: return 2;
+    case DGB_B1:
+    case DGB_IRRADIANCE_RAW:
+    case DGB_ENGINE_DEPTH1: return 3;
+    case DGB_ROTATIONS:
+    case DGB_ENGINE_NORMAL1: return 4;
+    case DGB_ENGINE_RADIANCE1: return 5;
+    default: return b->desc.oracle_unit;
+    }
+}
+
+static void dgbgli_connect_samplers(const dgbgl_backend* b, unsigned int program) {
+    int slot;
+    b->gl.UseProgram(program);
+    for (slot = DGB_SLOT_NONE + 1; slot < DGB_SLOT_COUNT; ++slot) {
+        char        name[48];
+        dgbgli_text t = dgbgli_text_on(name, sizeof name);
+        int         location;
+        dgbgli_put(&t, "dgb_");
+        dgbgli_put(&t, dgb_slot_name((dgb_slot)slot));
+        location = b->gl.GetUniformLocation(program, name);
+        if (location >= 0) b->gl.Uniform1i(location, dgbgli_unit(b, (dgb_slot)slot));
+    }
+}
+
+static void dgbgli_connect_block(const dgbgl_backend* b, unsigned int program, const char* pass) {
+    char         name[48];
+    dgbgli_text  t = dgbgli_text_on(name, sizeof name);
+    unsigned int block;
+    dgbgli_put(&t, "dgb_");
+    dgbgli_put(&t, pass);
+    dgbgli_put(&t, "_block");
+    block = b->gl.GetUniformBlockIndex(program, name);
+    if (block != 0xffffffffu) b->gl.UniformBlockBinding(program, block, (unsigned)b->desc.uniform_binding);
+}
+
+static dgb_result dgbgli_program_create(void* user, const dgb_program_desc* d, dgb_program* program) {
+    dgbgl_backend*     b        = (dgbgl_backend*)user;
+    const unsigned int vertex   = dgbgli_compile(b, d, DGBGL_VERTEX);
+    const unsigned int fragment = vertex ? dgbgli_compile(b, d, DGBGL_FRAGMENT) : 0;
+    const unsigned int name     = fragment ? dgbgli_link(b, d, vertex, fragment) : 0;
+    if (vertex) b->gl.DeleteShader(vertex);
+    if (fragment) b->gl.DeleteShader(fragment);
+    if (!name) return DGB_DEVICE;
+    dgbgli_connect_samplers(b, name);
+    dgbgli_connect_block(b, name, dgb_pass_name(d->pass));
+    dgbgli_label(b, DGBGLI_PROGRAM, name, dgb_pass_name(d->pass));
+    program->id = name;
+    return DGB_OK;
+}
+
+static void dgbgli_program_destroy(void* user, dgb_program program) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    b->gl.DeleteProgram((unsigned)program.id);
+}
+
+/* >> passes */
+
+static void dgbgli_attach(const dgbgl_backend* b, unsigned int attachment, const dgb_target* target) {
+    const unsigned int name = dgbgl_texture_name(target->texture);
+    if (!dgbgli_is_array(target->texture))
+        b->gl.FramebufferTexture2D(DGBGLI_FRAMEBUFFER, attachment, DGBGLI_TEXTURE_2D, name, target->level);
+    else if (target->layer < 0)
+        b->gl.FramebufferTexture(DGBGLI_FRAMEBUFFER, attachment, name, target->level);
+    else
+        b->gl.FramebufferTextureLayer(DGBGLI_FRAMEBUFFER, attachment, name, target->level, target->layer);
+}
+
+static int dgbgli_gather_targets(const dgb_pass* pass, dgb_target targets[DGB_MAX_TARGETS + 1]) {
+    int count = pass->color_count;
+    memset(targets, 0, sizeof(dgb_target) * (DGB_MAX_TARGETS + 1));
+    memcpy(targets, pass->colors, sizeof(dgb_target) * (size_t)count);
+    if (pass->depth.texture.id) targets[count++] = pass->depth;
+    return count;
+}
+
+static bool dgbgli_same_targets(const dgb_target* a, const dgb_target* b, int count) {
+    int i;
+    for (i = 0; i < count; ++i)
+        if (a[i].texture.id != b[i].texture.id || a[i].level != b[i].level || a[i].layer != b[i].layer) return false;
+    return true;
+}
+
+static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
+    static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
+                                                          DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
+    int                       c;
+    b->gl.GenFramebuffers(1, &b->framebuffers[i].name);
+    b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
+    for (c = 0; c < pass->color_count; ++c) dgbgli_attach(b, buffers[c], &pass->colors[c]);
+    if (pass->depth.texture.id) dgbgli_attach(b, DGBGLI_DEPTH_ATTACHMENT, &pass->depth);
+    b->gl.DrawBuffers(pass->color_count, buffers);
+    if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE)
+        dgbgli_message(b, dgb_pass_name(pass->id), "the driver cannot render to this combination of formats");
+    dgbgli_label(b, DGBGLI_FRAMEBUFFER, b->framebuffers[i].name, dgb_pass_name(pass->id));
+}
+
+/* Framebuffers are made once for each combination of targets and found again by it. */
+static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
+    dgb_target targets[DGB_MAX_TARGETS + 1];
+    const int  count = dgbgli_gather_targets(pass, targets);
+    int        i;
+    for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i)
+        if (b->framebuffers[i].name && b->framebuffers[i].count == count &&
+            dgbgli_same_targets(b->framebuffers[i].targets, targets, count)) {
+            b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
+            return;
+        }
+    i                   = b->next_framebuffer;
+    b->next_framebuffer = (i + 1) % DGBGL_MAX_FRAMEBUFFERS;
+    dgbgli_drop_framebuffer(b, i);
+    dgbgli_make_framebuffer(b, i, pass);
+    b->framebuffers[i].count = count;
+    memcpy(b->framebuffers[i].targets, targets, sizeof targets);
+}
+
+static void dgbgli_clear(const dgbgl_backend* b, const dgb_pass* pass) {
+    static const float black[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    int                i;
+    for (i = 0; i < pass->color_count; ++i) b->gl.ClearBufferfv(DGBGLI_COLOR, i, black);
+    if (pass->depth.texture.id) b->gl.ClearBufferfv(DGBGLI_DEPTH, 0, &pass->clear_depth);
+}
+
+static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
+    dgbgl_backend* b     = (dgbgl_backend*)user;
+    const bool     depth = pass->depth.texture.id != 0;
+    b->pass              = *pass;
+    if (depth) dgbgli_set_defaults(b); /* the engine's callback for another layer may have changed anything */
+    dgbgli_bind_framebuffer(b, pass);
+    b->gl.Viewport(pass->x, pass->y, pass->width, pass->height);
+    if (pass->clear) dgbgli_clear(b, pass);
+    if (!depth) {
+        b->gl.BindVertexArray(b->vertex_array);
+        return;
+    }
+    b->gl.Enable(DGBGLI_DEPTH_TEST);
+    b->gl.DepthFunc(pass->reversed ? DGBGLI_GREATER : DGBGLI_LESS);
+    if (b->gl.ClipControl)
+        b->gl.ClipControl(DGBGLI_LOWER_LEFT,
+                          pass->clip == DGB_CLIP_ZERO_TO_ONE ? DGBGLI_ZERO_TO_ONE : DGBGLI_NEGATIVE_ONE_TO_ONE);
+    /* peeling reads the layer in front of the one it writes, from the same texture */
+    if (pass->depth.layer > 0 && b->gl.TextureBarrier) b->gl.TextureBarrier();
+}
+
+static void dgbgli_level_range(const dgbgl_backend* b, dgb_texture texture, int base, int max) {
+    b->gl.TexParameteri(dgbgli_target(texture), DGBGLI_TEXTURE_BASE_LEVEL, base);
+    b->gl.TexParameteri(dgbgli_target(texture), DGBGLI_TEXTURE_MAX_LEVEL, max);
+}
+
+static void dgbgli_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int level) {
+    dgbgl_backend* b    = (dgbgl_backend*)user;
+    const int      unit = dgbgli_unit(b, slot);
+    b->gl.ActiveTexture((unsigned)(DGBGLI_TEXTURE0 + unit));
+    b->gl.BindTexture(dgbgli_target(texture), dgbgl_texture_name(texture));
+    b->gl.BindSampler((unsigned)unit, b->sampler);
+    if (level < 0) return;
+    /* reading one level while another is written is defined only if the written one is out of reach */
+    dgbgli_level_range(b, texture, level, level);
+    b->narrowed[b->narrowed_count++] = texture;
+}
+
+static void dgbgli_uniforms_upload(void* user, const void* std140, size_t size) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
+    b->gl.BufferData(DGBGLI_UNIFORM_BUFFER, (ptrdiff_t)size, std140, DGBGLI_STREAM_DRAW);
+    b->gl.BindBufferBase(DGBGLI_UNIFORM_BUFFER, (unsigned)b->desc.uniform_binding, b->uniform_buffer);
+}
+
+static void dgbgli_draw_fullscreen(void* user, dgb_program program) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    b->gl.UseProgram((unsigned)program.id);
+    b->gl.DrawArrays(DGBGLI_TRIANGLES, 0, 3);
+}
+
+static void dgbgli_pass_end(void* user) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    int            i;
+    for (i = 0; i < b->narrowed_count; ++i) {
+        b->gl.BindTexture(dgbgli_target(b->narrowed[i]), dgbgl_texture_name(b->narrowed[i]));
+        dgbgli_level_range(b, b->narrowed[i], 0, DGB_MAX_LEVELS - 1);
+    }
+    b->narrowed_count = 0;
+    if (b->pass.depth.texture.id) dgbgli_set_defaults(b); /* whatever the engine's callback left */
+}
+
+/* >> timers: two sets of queries a pass, read when they are ready, never waited for */
+
+static void dgbgli_read_timer(dgbgl_backend* b, dgb_pass_id pass, int frame) {
+    const unsigned int* queries = b->timers[pass].queries[frame];
+    int                 ready   = 0;
+    uint64_t            from = 0, to = 0;
+    if (!b->timers[pass].pending[frame]) return;
+    b->gl.GetQueryObjectiv(queries[1], DGBGLI_QUERY_RESULT_AVAILABLE, &ready);
+    if (!ready) return;
+    b->gl.GetQueryObjectui64v(queries[0], DGBGLI_QUERY_RESULT, &from);
+    b->gl.GetQueryObjectui64v(queries[1], DGBGLI_QUERY_RESULT, &to);
+    b->timers[pass].milliseconds   = (double)(to - from) * 1e-6;
+    b->timers[pass].pending[frame] = false;
+}
+
+static void dgbgli_marker(void* user, dgb_pass_id pass, bool begin) {
+    dgbgl_backend* b     = (dgbgl_backend*)user;
+    const int      frame = b->timers[pass].frame;
+    if (begin && b->gl.PushDebugGroup) b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, (unsigned)pass, -1, dgb_pass_name(pass));
+    if (!begin && b->gl.PopDebugGroup) b->gl.PopDebugGroup();
+    if (!b->timers[pass].queries[0][0]) return;
+    if (begin) {
+        dgbgli_read_timer(b, pass, frame);
+        b->timers[pass].running = !b->timers[pass].pending[frame];
+        if (b->timers[pass].running) b->gl.QueryCounter(b->timers[pass].queries[frame][0], DGBGLI_TIMESTAMP);
+    } else if (b->timers[pass].running) {
+        b->gl.QueryCounter(b->timers[pass].queries[frame][1], DGBGLI_TIMESTAMP);
+        b->timers[pass].pending[frame] = true;
+        b->timers[pass].frame          = 1 - frame;
+    }
+}
+
+DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds) {
+    if (!gl || !milliseconds || (int)pass < 0 || pass >= DGB_PASS_COUNT || !gl->timers[pass].queries[0][0] ||
+        gl->timers[pass].milliseconds < 0.0)
+        return false;
+    *milliseconds = gl->timers[pass].milliseconds;
+    return true;
+}
+
+/* >> init, shutdown */
+
+static bool dgbgli_load(dgbgl_backend* b) {
+    const char* missing = NULL;
+    void*       address;
+    /* through memcpy: ISO C has no cast from object to function pointer */
+#define DGBGLI_LOAD(result, name, arguments)      \
+    address = b->desc.get_proc("gl" #name);       \
+    memcpy(&b->gl.name, &address, sizeof address); \
+    if (!address) missing = "gl" #name;
+    DGBGL_FUNCTIONS(DGBGLI_LOAD)
+    if (missing) {
+        dgbgli_message(b, "missing entry point", missing);
+        return false;
+    }
+    DGBGL_OPTIONAL_FUNCTIONS(DGBGLI_LOAD)
+#undef DGBGLI_LOAD
+    return b->gl.DepthRangef || b->gl.DepthRange;
+}
+
+static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
+    const int count = dgbgli_get(b, DGBGLI_NUM_EXTENSIONS);
+    int       i;
+    for (i = 0; i < count; ++i) {
+        const char* extension = (const char*)b->gl.GetStringi(DGBGLI_EXTENSIONS, (unsigned)i);
+        if (extension && strcmp(extension, name) == 0) return true;
+    }
+    return false;
+}
+
+/* Entry points of what the context does not claim may still have an address: forget them. */
+static void dgbgli_forget_unclaimed(dgbgl_backend* b) {
+    const bool desktop = !b->es;
+    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_clip_control")))) b->gl.ClipControl = NULL;
+    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_texture_barrier")))) b->gl.TextureBarrier = NULL;
+    if (!desktop) b->gl.PolygonMode = NULL;
+    if (!(b->es || b->version >= 420 || dgbgli_has_extension(b, "GL_ARB_texture_storage"))) {
+        b->gl.TexStorage2D = NULL;
+        b->gl.TexStorage3D = NULL;
+    }
+    if (!(b->es ? b->version >= 320 : b->version >= 430 || dgbgli_has_extension(b, "GL_KHR_debug"))) {
+        b->gl.ObjectLabel    = NULL;
+        b->gl.PushDebugGroup = NULL;
+        b->gl.PopDebugGroup  = NULL;
+    }
+    if (!desktop || b->desc.no_timers) b->gl.QueryCounter = NULL;
+    if (!(b->es ? b->version >= 320 : true)) b->gl.FramebufferTexture = NULL;
+    if (!(desktop && b->version >= 410)) b->gl.DepthRangef = desktop ? NULL : b->gl.DepthRangef;
+    b->indexed_buffers = desktop && b->gl.IsEnabledi && b->gl.Enablei && b->gl.Disablei && b->gl.GetBooleani_v && b->gl.ColorMaski;
+    b->indexed_viewports = desktop && (b->version >= 410 || dgbgli_has_extension(b, "GL_ARB_viewport_array")) &&
+                           b->gl.GetFloati_v && b->gl.GetDoublei_v && b->gl.ViewportIndexedf && b->gl.DepthRangeIndexed;
+    if (desktop && (b->version >= 410 || !b->gl.TexStorage2D) && dgbgli_has_extension(b, "GL_ARB_shader_viewport_layer_array"))
+        b->layer_extension = "GL_ARB_shader_viewport_layer_array";
+    else if (desktop && dgbgli_has_extension(b, "GL_AMD_vertex_shader_layer"))
+        b->layer_extension = "GL_AMD_vertex_shader_layer";
+}
+
+static void dgbgli_read_caps(dgbgl_backend* b) {
+    dgb_caps*  caps        = &b->backend.caps;
+    const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
+    caps->max_size         = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
+    caps->max_layers       = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
+    caps->clip_zero_to_one = b->gl.ClipControl != NULL;
+    caps->emission[DGB_EMISSION_SEPARATE] = true;
+    caps->emission[DGB_EMISSION_GEOMETRY] =
+        single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
+    caps->emission[DGB_EMISSION_VERTEX] = single_pass && b->layer_extension;
+}
+
+static void dgbgli_fill_backend(dgbgl_backend* b) {
+    dgb_backend* d     = &b->backend;
+    d->version         = DGB_VERSION;
+    d->user            = b;
+    d->begin           = dgbgli_begin;
+    d->end             = dgbgli_end;
+    d->texture_create  = dgbgli_texture_create;
+    d->texture_destroy = dgbgli_texture_destroy;
+    d->program_create  = dgbgli_program_create;
+    d->program_destroy = dgbgli_program_destroy;
+    d->pass_begin      = dgbgli_pass_begin;
+    d->texture_bind    = dgbgli_texture_bind;
+    d->uniforms_upload = dgbgli_uniforms_upload;
+    d->draw_fullscreen = dgbgli_draw_fullscreen;
+    d->pass_end        = dgbgli_pass_end;
+    d->marker          = dgbgli_marker;
+}
+
+static void dgbgli_create_sampler(dgbgl_backend* b) {
+    b->gl.GenSamplers(1, &b->sampler);
+    b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MIN_FILTER, DGBGLI_NEAREST);
+    b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
+    b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
+    b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
+    b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_COMPARE_MODE, 0);
+}
+
+static void dgbgli_create_objects(dgbgl_backend* b) {
+    int pass;
+    dgbgli_begin(b);
+    dgbgli_create_sampler(b);
+    b->gl.GenVertexArrays(1, &b->vertex_array);
+    b->gl.BindVertexArray(b->vertex_array);
+    b->gl.GenBuffers(1, &b->uniform_buffer);
+    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
+    b->gl.BindSampler(0, b->sampler);
+    dgbgli_label(b, DGBGLI_VERTEX_ARRAY, b->vertex_array, "fullscreen");
+    dgbgli_label(b, DGBGLI_BUFFER, b->uniform_buffer, "uniforms");
+    dgbgli_label(b, DGBGLI_SAMPLER, b->sampler, "nearest");
+    for (pass = 0; pass < DGB_PASS_COUNT; ++pass) {
+        b->timers[pass].milliseconds = -1.0;
+        if (b->gl.QueryCounter) b->gl.GenQueries(4, b->timers[pass].queries[0]);
+    }
+    dgbgli_end(b);
+}
+
+DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
+    if (!gl) return DGB_INVALID;
+    memset(gl, 0, sizeof *gl);
+    if (!desc || !desc->get_proc) return DGB_INVALID;
+    gl->desc = *desc;
+    if (!gl->desc.oracle_unit) gl->desc.oracle_unit = 15;
+    if (!gl->desc.uniform_binding) gl->desc.uniform_binding = 23;
+    if (!dgbgli_load(gl)) {
+        memset(gl, 0, sizeof *gl);
+        return DGB_DEVICE;
+    }
+    {
+        const char* version = (const char*)gl->gl.GetString(DGBGLI_VERSION);
+        gl->es      = version && strncmp(version, "OpenGL ES", 9) == 0;
+        gl->version = dgbgli_get(gl, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(gl, DGBGLI_MINOR_VERSION) * 10;
+    }
+    if (gl->version < (gl->es ? 300 : 330) ||
+        (gl->es && gl->version < 320 && !dgbgli_has_extension(gl, "GL_EXT_color_buffer_float"))) {
+        dgbgli_message(gl, "unsupported context", "needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float");
+        memset(gl, 0, sizeof *gl);
+        return DGB_UNSUPPORTED;
+    }
+    dgbgli_forget_unclaimed(gl);
+    dgbgli_read_caps(gl);
+    dgbgli_fill_backend(gl);
+    dgbgli_create_objects(gl);
+    return DGB_OK;
+}
+
+DGB_API void dgbgl_shutdown(dgbgl_backend* gl) {
+    int i;
+    if (!gl || !gl->backend.user) return;
+    for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i) dgbgli_drop_framebuffer(gl, i);
+    for (i = 0; i < DGB_PASS_COUNT; ++i)
+        if (gl->timers[i].queries[0][0]) gl->gl.DeleteQueries(4, gl->timers[i].queries[0]);
+    gl->gl.DeleteVertexArrays(1, &gl->vertex_array);
+    gl->gl.DeleteBuffers(1, &gl->uniform_buffer);
+    gl->gl.DeleteSamplers(1, &gl->sampler);
+    memset(gl, 0, sizeof *gl);
+}
+
+/* >> material shaders: prefix, geometry shader */
+
+static const dgbgl_backend* dgbgli_of(const dgb_context* context) {
+    return dgb_get_texture(context, DGB_DEPTH).id ? (const dgbgl_backend*)context->backend.user : NULL;
+}
+
+/* Location of each layer target: its place among the outputs of the LAYERS pass. */
+static void dgbgli_put_locations(dgbgli_text* t, const dgb_plan_pass* pass) {
+    int i;
+    for (i = 0; i < pass->output_count; ++i) {
+        const dgb_slot slot = pass->outputs[i];
+        dgbgli_put_define(t,
+                          slot == DGB_ALBEDO     ? "DGB_ALBEDO_LOCATION"
+                          : slot == DGB_NORMAL   ? "DGB_NORMAL_LOCATION"
+                          : slot == DGB_RADIANCE ? "DGB_RADIANCE_LOCATION"
+                                                 : "DGB_VELOCITY_LOCATION",
+                          i);
+    }
+}
+
+/* The library's own varyings, passed on like the engine's. */
+static const dgbgl_varying dgbgli_varyings[] = {
+    {NULL, "vec4", "dgb_v_current"}, {NULL, "vec4", "dgb_v_previous"}, {"flat", "int", "dgb_v_layer"}};
+#define DGBGLI_VARYING_COUNT 3
+
+/* Behind a geometry shader the fragment shader reads dgb_g_NAME, so that its text need not change. */
+static void dgbgli_put_renames(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
+    int i;
+    for (i = 0; i < count; ++i) {
+        dgbgli_put(t, "#define ");
+        dgbgli_put(t, varyings[i].name);
+        dgbgli_put(t, " dgb_g_");
+        dgbgli_put(t, varyings[i].name);
+        dgbgli_put(t, "\n");
+    }
+}
+
+static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dgbgl_backend* b, dgbgl_stage stage) {
+    const bool vertex_emission = context->plan.emission == DGB_EMISSION_VERTEX;
+    dgbgli_put_version(t, b->version, b->es);
+    if (vertex_emission && stage == DGBGL_VERTEX) {
+        dgbgli_put(t, "#extension ");
+        dgbgli_put(t, b->layer_extension);
+        dgbgli_put(t, " : require\n");
+    }
+    dgbgli_put_precision(t, b->es);
+    dgbgli_put_define(t, "DGB_LAYERS", context->plan.layers);
+    dgbgli_put_define(t, "DGB_EMISSION_VERTEX", vertex_emission);
+    dgbgli_put_chunks(t, dgbgli_glsl_common);
+    dgbgli_put_chunks(t, dgbgli_glsl_layers);
+}
+
+DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings, int count,
+                                   char* text, size_t capacity) {
+    const dgbgl_backend* b = dgbgli_of(context);
+    dgbgli_text          t = dgbgli_text_on(text, capacity);
+    if (!b || (count > 0 && !varyings)) return 0;
+    dgbgli_put_head(&t, context, b, stage);
+    if (stage == DGBGL_VERTEX) dgbgli_put_chunks(&t, dgbgli_glsl_layers_vertex);
+    if (stage == DGBGL_FRAGMENT) {
+        if (context->plan.emission == DGB_EMISSION_GEOMETRY) {
+            dgbgli_put_renames(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
+            dgbgli_put_renames(&t, varyings, count);
+        }
+        dgbgli_put_locations(&t, &context->plan.passes[0]);
+        dgbgli_put_chunks(&t, dgbgli_glsl_layers_fragment);
+    }
+    dgbgli_put(&t, "#line 1\n");
+    return t.length;
+}
+
+static void dgbgli_put_declaration(dgbgli_text* t, const dgbgl_varying* v, bool out) {
+    if (v->qualifier) dgbgli_put(t, v->qualifier);
+    dgbgli_put(t, out ? " out " : " in ");
+    dgbgli_put(t, v->type);
+    dgbgli_put(t, out ? " dgb_g_" : " ");
+    dgbgli_put(t, v->name);
+    dgbgli_put(t, out ? ";\n" : "[];\n");
+}
+
+static void dgbgli_put_declarations(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
+    int i;
+    for (i = 0; i < count; ++i) {
+        dgbgli_put_declaration(t, &varyings[i], false);
+        dgbgli_put_declaration(t, &varyings[i], true);
+    }
+}
+
+static void dgbgli_put_copies(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
+    int i;
+    for (i = 0; i < count; ++i) {
+        dgbgli_put(t, "            dgb_g_");
+        dgbgli_put(t, varyings[i].name);
+        dgbgli_put(t, " = ");
+        dgbgli_put(t, varyings[i].name);
+        dgbgli_put(t, "[i];\n");
+    }
+}
+
+DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
+                                     size_t capacity) {
+    const dgbgl_backend* b = dgbgli_of(context);
+    dgbgli_text          t = dgbgli_text_on(text, capacity);
+    if (!b || context->plan.emission != DGB_EMISSION_GEOMETRY || (count > 0 && !varyings)) return 0;
+    dgbgli_put_head(&t, context, b, DGBGL_GEOMETRY);
+    dgbgli_put(&t, "layout(triangles) in;\nlayout(triangle_strip, max_vertices = ");
+    dgbgli_put_int(&t, 3 * context->plan.layers);
+    dgbgli_put(&t, ") out;\n");
+    dgbgli_put_declarations(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
+    dgbgli_put_declarations(&t, varyings, count);
+    dgbgli_put(&t, "void main() {\n"
+                   "    for (int layer = dgb_draw_layer.x; layer < dgb_draw_layer.x + dgb_draw_layer.y; ++layer) {\n"
+                   "        for (int i = 0; i < 3; ++i) {\n");
+    dgbgli_put_copies(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
+    dgbgli_put_copies(&t, varyings, count);
+    dgbgli_put(&t, "            dgb_g_dgb_v_layer = layer;\n"
+                   "            gl_Layer = layer;\n"
+                   "            gl_Position = gl_in[i].gl_Position;\n"
+                   "            EmitVertex();\n"
+                   "        }\n"
+                   "        EndPrimitive();\n"
+                   "    }\n"
+                   "}\n");
+    return t.length;
+}
+
+DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program) {
+    const dgbgl_backend* b = dgbgli_of(context);
+    int                  current;
+    if (!b || !b->gl.IsProgram(program)) return DGB_INVALID;
+    current = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
+    dgbgli_connect_samplers(b, program);
+    dgbgli_connect_block(b, program, "draw");
+    b->gl.UseProgram((unsigned)current);
+    return DGB_OK;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#endif /* DEEPGBUFFER_IMPLEMENTATION */

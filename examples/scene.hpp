@@ -1,0 +1,117 @@
+// A scene on the CPU: what the loaders produce and the examples upload to OpenGL.
+// Units are metres and radians, Y is up, colours are linear unless a comment says sRGB.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+struct Vertex {
+    glm::vec3 position{0.0f};
+    glm::vec3 normal{0.0f, 1.0f, 0.0f};
+    glm::vec4 tangent{1.0f, 0.0f, 0.0f, 1.0f}; // w is the sign of the bitangent, cross(normal, tangent) * w
+    glm::vec2 uv{0.0f};                        // (0, 0) is the first byte of the image
+    glm::vec4 color{1.0f};                     // multiplies the base color
+};
+
+struct Image {
+    int width = 0;
+    int height = 0;
+    std::vector<uint8_t> rgba; // 4 bytes per pixel, top row first
+};
+
+enum class Wrap { repeat, mirror, clamp };
+enum class Filter { linear, nearest };
+
+struct Texture {
+    int image = -1;
+    Wrap wrap_u = Wrap::repeat;
+    Wrap wrap_v = Wrap::repeat;
+    Filter filter = Filter::linear;
+};
+
+enum class AlphaMode { opaque, mask, blend };
+
+// Factors multiply their textures. A texture of -1 means none, which counts as white.
+struct Material {
+    std::string name;
+    glm::vec4 base_color{1.0f};
+    int base_color_texture = -1; // sRGB
+    float metallic = 0.0f;
+    float roughness = 1.0f;
+    int metallic_roughness_texture = -1; // roughness in green, metallic in blue
+    int normal_texture = -1;
+    float normal_scale = 1.0f;
+    glm::vec3 emissive{0.0f};  // radiance, W/m2/sr
+    int emissive_texture = -1; // sRGB
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    float alpha_cutoff = 0.5f; // only for AlphaMode::mask
+    bool double_sided = false;
+    bool unlit = false; // the base color is the final color
+};
+
+// Indexed triangles, counter-clockwise when seen from the front.
+struct Mesh {
+    std::vector<Vertex> vertices;
+    std::vector<uint32_t> indices;
+    int material = 0;
+};
+
+// A world matrix with a negative determinant mirrors its meshes: their front faces are clockwise.
+struct Node {
+    int parent = -1;
+    glm::mat4 local{1.0f};
+    glm::mat4 world{1.0f};
+    std::vector<int> meshes; // several nodes may draw the same mesh
+};
+
+// Looks along the -Z axis of its world matrix, +Y is up in the picture.
+struct Camera {
+    glm::mat4 world{1.0f};
+    bool orthographic = false;
+    float vertical_fov = 1.0f; // radians, perspective only
+    float half_height = 1.0f;  // metres, orthographic only
+};
+
+struct Scene {
+    std::string name;
+    std::vector<Image> images;
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Mesh> meshes;
+    std::vector<Node> nodes; // a parent always stands before its children
+    std::vector<Camera> cameras;
+    glm::vec3 bounds_min{0.0f}; // world space
+    glm::vec3 bounds_max{0.0f};
+};
+
+// One forward pass suffices because parents stand before their children.
+inline void update_world_matrices(Scene* scene) {
+    for (Node& node : scene->nodes) {
+        node.world = node.parent < 0 ? node.local : scene->nodes[size_t(node.parent)].world * node.local;
+    }
+}
+
+// Needs at least one vertex and up-to-date world matrices.
+inline void update_bounds(Scene* scene) {
+    scene->bounds_min = glm::vec3(std::numeric_limits<float>::infinity());
+    scene->bounds_max = -scene->bounds_min;
+    for (const Node& node : scene->nodes) {
+        for (int mesh : node.meshes) {
+            for (const Vertex& vertex : scene->meshes[size_t(mesh)].vertices) {
+                const glm::vec3 position(node.world * glm::vec4(vertex.position, 1.0f));
+                scene->bounds_min = glm::min(scene->bounds_min, position);
+                scene->bounds_max = glm::max(scene->bounds_max, position);
+            }
+        }
+    }
+}
+
+// Reads a .gltf or .glb file. On failure returns false, sets *error to one sentence and leaves *scene alone.
+bool load_gltf(const std::string& path, Scene* scene, std::string* error);
+
+// A court with two storeys of columns, open to the sky, with drapes behind the columns. Needs no files.
+Scene make_atrium();

@@ -1,0 +1,100 @@
+// Mathematics shared by every pass. Each function is the twin of the C function of the same name in deepgbuffer.h, which
+// documents it. NaN is removed by selects (a comparison with NaN is false), never by min, max or clamp, whose treatment of
+// NaN differs between implementations.
+
+const float DGB_PI           = 3.14159265358979;
+const float DGB_MAX_RADIANCE = 64512.0;
+const float DGB_MAX_DISTANCE = 1e15;
+
+struct dgb_camera {
+    vec4 linearise;
+    vec4 position_z;
+    vec4 position_1;
+    vec4 footprint;
+};
+
+// Oct16: two bytes as the unorm8 channels of a texture hold them.
+vec2 dgb_sign(vec2 v) { return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0); }
+
+vec2 dgb_oct16_encode(vec3 n) {
+    float s = abs(n.x) + abs(n.y) + abs(n.z);
+    vec2  p = s > 1e-30 && s < 1e30 ? n.xy / s : vec2(0.0);
+    if (n.z < 0.0 && s < 1e30) p = (1.0 - abs(p.yx)) * dgb_sign(p);
+    return (floor(p * 127.0 + 0.5) + 127.0) / 255.0;
+}
+
+vec3 dgb_oct16_decode(vec2 bytes) {
+    vec2  q = floor(bytes * 255.0 + 0.5);
+    vec2  p = (min(q, 254.0) - 127.0) / 127.0;
+    float z = 1.0 - abs(p.x) - abs(p.y);
+    return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));
+}
+
+float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE) : 0.0; }
+
+vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }
+
+int dgb_pixel_hash(ivec2 pixel, int frame) {
+    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u ^ uint(frame) * 0xcb1ab31fu;
+    h      = (h ^ (h >> 16)) * 0x7feb352du;
+    h      = (h ^ (h >> 15)) * 0x846ca68bu;
+    return int(h >> 24);
+}
+
+int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
+    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - 127 - log2_q, min_level, max_level) : min_level;
+}
+
+ivec2 dgb_mip_source(ivec2 p, int level) {
+    ivec2 odd_texel = -(p & 1); // all bits set where the coordinate is odd
+    return (p << level) | (odd_texel.yx & (0xaaaa >> (16 - level))) | (odd_texel & (0x5555 >> (16 - level)));
+}
+
+float dgb_linear_z(float depth, dgb_camera camera) {
+    float t           = depth - camera.footprint.w;
+    float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);
+    bool  perspective = camera.footprint.y != 0.0;
+    return abs(z) <= DGB_MAX_DISTANCE && t != 0.0 && (!perspective || z < 0.0) ? z : 0.0;
+}
+
+vec3 dgb_position(vec2 pixel, float z, dgb_camera camera) {
+    vec4 a = camera.position_z, b = camera.position_1;
+    return vec3((pixel * a.xy + a.zw) * z + (pixel * b.xy + b.zw), z);
+}
+
+float dgb_pixels_per_metre(float z, dgb_camera camera) {
+    float w = camera.footprint.y * z + camera.footprint.z;
+    return w > 0.0 ? camera.footprint.x / w : 0.0;
+}
+
+bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }
+
+float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
+    float d2 = dot(v, v);
+    return max(1.0 - d2 * inv_r2, 0.0) * max((dot(v, n) - beta) * inversesqrt(d2 + epsilon), 0.0);
+}
+
+float dgb_ambient_visibility(float sum, float pi_over_count) { return max(1.0 - sqrt(pi_over_count * sum), 0.0); }
+
+float dgb_gather_term(vec3 v, vec3 n_x, float r2) {
+    float d2     = dot(v, v);
+    float cosine = dot(v, n_x) * inversesqrt(d2);
+    return d2 <= r2 && cosine > 0.0 ? cosine : 0.0;
+}
+
+float dgb_gather_scale(float sum_cos, float count, float k) {
+    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;
+}
+
+float dgb_boost(vec3 albedo, float unsaturated, float saturated) {
+    float high = max(albedo.r, max(albedo.g, albedo.b)), low = min(albedo.r, min(albedo.g, albedo.b));
+    return unsaturated + (saturated - unsaturated) * (high > max(low, 0.0) ? (high - max(low, 0.0)) / high : 0.0);
+}
+
+float dgb_bilateral_weight(vec3 n, vec3 n2, vec3 dq, float normal_sharpness, float plane_sharpness) {
+    float normal = max(1.0 - normal_sharpness * (1.0 - dot(n, n2)), 0.0);
+    float d2     = dot(dq, dq);
+    float off    = max(abs(dot(dq, n)), abs(dot(dq, n2)));
+    float plane  = d2 > 0.0 ? max(1.0 - plane_sharpness * off * inversesqrt(d2), 0.0) : 1.0;
+    return normal * plane * plane;
+}

@@ -1,0 +1,98 @@
+// Pack: camera z, normals and radiance of up to two layers into the shading input (paper, Table 1).
+
+layout(std140) uniform dgb_pack_block {
+    dgb_camera dgb_pack_camera;
+    vec4       dgb_pack_rotation[3]; // world to camera, columns
+    vec4       dgb_pack_separation;  // x: separation in m, or -1: keep what the oracle let through
+    ivec4      dgb_pack_size;        // buffer width, height
+};
+
+// What the layers hold at a pixel; `layer` is constant wherever these are called.
+#if DGB_ENGINE_LAYERS
+uniform sampler2D dgb_engine_depth0;
+uniform sampler2D dgb_engine_depth1;
+uniform sampler2D dgb_engine_normal0;
+uniform sampler2D dgb_engine_normal1;
+uniform sampler2D dgb_engine_radiance0;
+uniform sampler2D dgb_engine_radiance1;
+
+float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }
+vec3  dgb_normal_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_normal0, p, 0).rgb : texelFetch(dgb_engine_normal1, p, 0).rgb; }
+vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }
+#else
+uniform sampler2DArray dgb_depth;
+uniform sampler2DArray dgb_normal;
+uniform sampler2DArray dgb_radiance;
+
+float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, ivec3(p, layer), 0).r; }
+vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, ivec3(p, layer), 0).rgb; }
+vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, ivec3(p, layer), 0).rgb; }
+#endif
+
+float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_at(layer, p), dgb_pack_camera); }
+
+layout(location = 0) out vec4 dgb_out_z;
+layout(location = 1) out vec4 dgb_out_normals;
+#if DGB_PACK_RADIANCE
+layout(location = 2) out vec4 dgb_out_b0;
+#if DGB_LAYERS > 1
+layout(location = 3) out vec4 dgb_out_b1;
+#endif
+#endif
+
+// The Oct16 bytes of a layer's normal, from whatever the engine has.
+#if DGB_NORMALS_FORMAT == 0
+// From depth: the neighbouring point that lies nearer in depth, so that silhouettes do not bend the normal.
+vec3 dgb_edge(vec3 here, vec3 before, vec3 after) {
+    bool use_before = before.z != 0.0 && (after.z == 0.0 || abs(before.z - here.z) < abs(after.z - here.z));
+    return use_before ? here - before : after.z != 0.0 ? after - here : vec3(0.0);
+}
+
+// z = 0, no surface, off the buffer.
+vec3 dgb_point(int layer, ivec2 p) {
+    bool inside = p.x >= 0 && p.y >= 0 && p.x < dgb_pack_size.x && p.y < dgb_pack_size.y;
+    return dgb_position(vec2(p) + 0.5, inside ? dgb_z_at(layer, p) : 0.0, dgb_pack_camera);
+}
+
+vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {
+    vec3 here = dgb_position(vec2(p) + 0.5, z, dgb_pack_camera);
+    vec3 x    = dgb_edge(here, dgb_point(layer, p - ivec2(1, 0)), dgb_point(layer, p + ivec2(1, 0)));
+    vec3 y    = dgb_edge(here, dgb_point(layer, p - ivec2(0, 1)), dgb_point(layer, p + ivec2(0, 1)));
+    return dgb_oct16_encode(cross(x / z, y / z)); // free of units; zero without neighbours: +Z, towards the eye
+}
+#elif DGB_NORMALS_FORMAT == 1
+vec2 dgb_normal_bytes(int layer, ivec2 p, float z) { return dgb_normal_at(layer, p).rg; }
+#else
+vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {
+#if DGB_NORMALS_FORMAT == 2
+    vec3 n = dgb_normal_at(layer, p) * 2.0 - 1.0;
+#else
+    vec3 n = dgb_normal_at(layer, p);
+#endif
+    return dgb_oct16_encode(dgb_pack_rotation[0].xyz * n.x + dgb_pack_rotation[1].xyz * n.y + dgb_pack_rotation[2].xyz * n.z);
+}
+#endif
+
+vec3 dgb_packed_radiance(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_storable(dgb_radiance_at(layer, p)) : vec3(0.0); }
+
+vec2 dgb_packed_normal(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_normal_bytes(layer, p, z) : vec2(0.0); }
+
+void main() {
+    ivec2 p         = ivec2(gl_FragCoord.xy);
+    float z0        = dgb_z_at(0, p);
+    dgb_out_z       = vec4(z0, 0.0, 0.0, 0.0);
+    dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);
+#if DGB_PACK_RADIANCE
+    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0), 1.0);
+#endif
+#if DGB_LAYERS > 1
+    float z1 = dgb_z_at(1, p);
+    // strict separation, against the true layer 0: a wrong guess of the oracle becomes a hole
+    if (dgb_pack_separation.x >= 0.0 && !dgb_keep_test(z1, z0, dgb_pack_separation.x)) z1 = 0.0;
+    dgb_out_z.y        = z1;
+    dgb_out_normals.zw = dgb_packed_normal(1, p, z1);
+#if DGB_PACK_RADIANCE
+    dgb_out_b1 = vec4(dgb_packed_radiance(1, p, z1), 1.0);
+#endif
+#endif
+}

@@ -1,0 +1,24 @@
+// Spiral taps, shared by ao and gather (paper, section 3.4). Angles come from tables, so that every implementation lands on
+// the same texels.
+
+uniform sampler2D dgb_rotations;
+
+struct dgb_tap {
+    ivec2 texel; // what to fetch
+    int   level; // from this MIP level
+    ivec2 pixel; // the level-0 pixel it was copied from: where the surface really is
+};
+
+vec2 dgb_rotation(ivec2 pixel, int frame) { return texelFetch(dgb_rotations, ivec2(dgb_pixel_hash(pixel, frame), 0), 0).rg; }
+
+// table: cos, sin, kappa of the tap; reach: radius of the spiral in pixels; size: of the buffer; levels: log2 q, min, max.
+dgb_tap dgb_tap_at(vec4 table, vec2 rotation, float reach, vec2 centre, ivec2 size, ivec4 levels) {
+    vec2    direction = vec2(table.x * rotation.x - table.y * rotation.y, table.x * rotation.y + table.y * rotation.x);
+    float   h         = max(reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself
+    ivec2   p         = ivec2(clamp(centre + h * direction, vec2(0.0), vec2(size - 1)));
+    dgb_tap tap;
+    tap.level = dgb_mip_level(h, levels.x, levels.y, levels.z);
+    tap.texel = min(p >> tap.level, (size >> tap.level) - 1);
+    tap.pixel = dgb_mip_source(tap.texel, tap.level);
+    return tap;
+}

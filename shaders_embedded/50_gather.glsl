@@ -1,0 +1,75 @@
+// Radiosity: Equations 4 and 5 of the paper over one or two layers of senders.
+
+layout(std140) uniform dgb_gather_block {
+    dgb_camera dgb_gather_camera;
+    ivec4      dgb_gather_size;   // buffer width, height, taps, frame
+    ivec4      dgb_gather_level;  // log2 q, min level, max level
+    vec4       dgb_gather_radius; // r (m), r^2, normaliser k, largest reach (pixels)
+    vec4       dgb_gather_taps[DGB_MAX_TAPS];
+};
+
+uniform sampler2D dgb_z;
+uniform sampler2D dgb_normals;
+uniform sampler2D dgb_b0;
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_b1;
+#endif
+
+layout(location = 0) out vec4 dgb_out_irradiance;
+
+// Cosine of what a surface at offset v sends; 0 when it is empty, too far, behind, or faces away.
+float dgb_sender(vec3 v, float z, vec3 n, vec2 sender_normal) {
+    float cosine = dgb_gather_term(v, n, dgb_gather_radius.y);
+#if DGB_NORMAL_TEST
+    if (!(dot(v, dgb_oct16_decode(sender_normal)) < 0.0)) cosine = 0.0;
+#endif
+    return z != 0.0 ? cosine : 0.0;
+}
+
+void main() {
+    ivec2 pixel    = ivec2(gl_FragCoord.xy);
+    float z        = texelFetch(dgb_z, pixel, 0).x;
+    vec3  x        = dgb_position(gl_FragCoord.xy, z, dgb_gather_camera);
+    vec3  n        = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
+    float reach    = min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
+    vec2  rotation = dgb_rotation(pixel, dgb_gather_size.w);
+    int   taps     = z != 0.0 && reach > 0.0 ? dgb_gather_size.z : 0;
+    vec3  light    = vec3(0.0);
+    float cosines = 0.0, senders = 0.0, useful_taps = 0.0;
+    for (int i = 0; i < taps; ++i) {
+        dgb_tap tap   = dgb_tap_at(dgb_gather_taps[i], rotation, reach, gl_FragCoord.xy, dgb_gather_size.xy, dgb_gather_level);
+        vec2    at    = vec2(tap.pixel) + 0.5;
+        vec2    ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;
+        vec2    ray_1 = at * dgb_gather_camera.position_1.xy + dgb_gather_camera.position_1.zw;
+        float   other = tap.pixel != pixel ? 1.0 : 0.0;
+        vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;
+#if DGB_NORMAL_TEST
+        vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);
+#else
+        vec4 normals = vec4(0.0);
+#endif
+        float c0 = other * dgb_sender(vec3(ray_z * zs.x + ray_1, zs.x) - x, zs.x, n, normals.xy);
+        vec3  l0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb * c0;
+#if DGB_LAYERS > 1
+        float c1 = other * dgb_sender(vec3(ray_z * zs.y + ray_1, zs.y) - x, zs.y, n, normals.zw);
+        vec3  l1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb * c1;
+        useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;
+#if DGB_STRONGEST_SENDER
+        bool first = c1 == 0.0 || (c0 > 0.0 && dot(l0, vec3(1.0)) >= dot(l1, vec3(1.0)));
+        c0         = first ? c0 : c1;
+        l0         = first ? l0 : l1;
+#else
+        light += l1;
+        cosines += c1;
+        senders += c1 > 0.0 ? 1.0 : 0.0;
+#endif
+#else
+        useful_taps += c0 > 0.0 ? 1.0 : 0.0;
+#endif
+        light += l0;
+        cosines += c0;
+        senders += c0 > 0.0 ? 1.0 : 0.0;
+    }
+    vec3 irradiance    = light * dgb_gather_scale(cosines, senders, dgb_gather_radius.z);
+    dgb_out_irradiance = vec4(dgb_storable(irradiance), taps > 0 ? useful_taps / float(taps) : 0.0);
+}

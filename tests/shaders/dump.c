@@ -1,0 +1,103 @@
+/* Writes the text of every shader there is, in every dialect, into a directory: NAME.vert and NAME.frag, for an offline
+   compiler. The variants come from the plans of every desc that changes them. */
+#define DEEPGBUFFER_IMPLEMENTATION
+#include "deepgbuffer.h"
+#include "deepgbuffer_gl.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+static char text[1 << 16];
+
+static void write_text(const char* directory, const char* name, const char* stage, size_t length) {
+    char  path[1024];
+    FILE* file;
+    if (length >= sizeof text) exit(2);
+    snprintf(path, sizeof path, "%s/%s.%s", directory, name, stage);
+    file = fopen(path, "w");
+    if (!file || fwrite(text, 1, length, file) != length || fclose(file)) {
+        perror(path);
+        exit(2);
+    }
+}
+
+static void write_program(const char* directory, const dgb_program_desc* p, int version, bool es) {
+    char name[512];
+    int  used = snprintf(name, sizeof name, "%s_%s%d", dgb_pass_name(p->pass), es ? "es" : "gl", version), i;
+    for (i = 0; i < p->define_count; ++i)
+        used += snprintf(name + used, sizeof name - (size_t)used, "_%s%d", p->defines[i].name + 4, p->defines[i].value);
+    write_text(directory, name, "vert", dgbgl_pass_source(p, DGBGL_VERTEX, version, es, text, sizeof text));
+    write_text(directory, name, "frag", dgbgl_pass_source(p, DGBGL_FRAGMENT, version, es, text, sizeof text));
+}
+
+static void write_plan(const char* directory, const dgb_desc* desc) {
+    dgb_plan plan;
+    int      i;
+    if (dgb_make_plan(desc, &plan) != DGB_OK) exit(2);
+    for (i = 0; i < plan.program_count; ++i) {
+        write_program(directory, &plan.programs[i], 330, false);
+        write_program(directory, &plan.programs[i], 450, false);
+        write_program(directory, &plan.programs[i], 300, true);
+    }
+}
+
+/* A program that contains the snippets and does nothing else: what an engine's simplest material is. */
+static void write_snippets(const char* directory, dgb_emission emission, int version, bool es) {
+    static dgbgl_backend   gl;
+    static dgb_context     context;
+    const dgbgl_varying    varyings[] = {{NULL, "vec2", "v_uv"}, {"flat", "int", "v_material"}};
+    char                   name[64];
+    size_t                 length;
+    dgb_desc               desc;
+    memset(&context, 0, sizeof context);
+    memset(&desc, 0, sizeof desc);
+    desc.width = desc.height = 64;
+    desc.emission            = emission;
+    if (dgb_make_plan(&desc, &context.plan) != DGB_OK) exit(2);
+    gl.version                     = version;
+    gl.es                          = es;
+    gl.layer_extension             = "GL_ARB_shader_viewport_layer_array";
+    context.backend.user           = &gl;
+    context.initialised            = DGBI_INITIALISED;
+    context.textures[DGB_DEPTH].id = 1;
+    snprintf(name, sizeof name, "layers_%s%d_%s", es ? "es" : "gl", version, dgb_emission_name(emission));
+    length = dgbgl_shader_prefix(&context, DGBGL_VERTEX, varyings, 2, text, sizeof text);
+    length += (size_t)snprintf(text + length, sizeof text - length,
+                               "in vec3 position; uniform mat4 now, before; out vec2 v_uv; flat out int v_material;\n"
+                               "void main() {\n    v_uv = position.xy;\n    v_material = dgb_instance();\n"
+                               "    dgb_vertex(now * vec4(position, 1.0), before * vec4(position, 1.0));\n}\n");
+    write_text(directory, name, "vert", length);
+    length = dgbgl_geometry_shader(&context, varyings, 2, text, sizeof text);
+    if (length) write_text(directory, name, "geom", length);
+    length = dgbgl_shader_prefix(&context, DGBGL_FRAGMENT, varyings, 2, text, sizeof text);
+    length += (size_t)snprintf(text + length, sizeof text - length,
+                               "in vec2 v_uv; flat in int v_material;\nvoid main() {\n    if (!dgb_keep()) discard;\n"
+                               "    dgb_store(vec4(v_uv, float(v_material), 1.0), vec3(0.0, 0.0, 1.0), vec2(0.0), vec3(0.0));\n}\n");
+    write_text(directory, name, "frag", length);
+}
+
+int main(int argc, char** argv) {
+    int effects, layers, normals, senders;
+    if (argc != 2) return 2;
+    for (effects = 1; effects < 4; ++effects)
+        for (layers = 1; layers <= 2; ++layers) {
+            dgb_desc desc;
+            memset(&desc, 0, sizeof desc);
+            desc.width = desc.height = 64;
+            desc.layers              = layers;
+            desc.effects             = (uint32_t)effects;
+            for (senders = 0; senders < DGB_SENDERS_COUNT; ++senders) {
+                desc.senders = (dgb_senders)senders;
+                write_plan(argv[1], &desc);
+            }
+            desc.source = DGB_SOURCE_ENGINE;
+            for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
+                desc.normals = (dgb_normals)normals;
+                write_plan(argv[1], &desc);
+            }
+        }
+    write_snippets(argv[1], DGB_EMISSION_SEPARATE, 330, false);
+    write_snippets(argv[1], DGB_EMISSION_GEOMETRY, 330, false);
+    write_snippets(argv[1], DGB_EMISSION_VERTEX, 450, false);
+    write_snippets(argv[1], DGB_EMISSION_SEPARATE, 300, true);
+    return 0;
+}

@@ -1,0 +1,3 @@
+/* The one translation unit of a test program that holds the implementation. */
+#define DEEPGBUFFER_IMPLEMENTATION
+#include "deepgbuffer.h"
