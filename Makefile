@@ -22,7 +22,7 @@ flags := $(flags_$(config))
 $(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl glfw3 cmocka glm CLI11 stb tinygltf
+packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
@@ -148,7 +148,7 @@ ifeq ($(shell pkg-config --libs-only-l tinygltf 2>/dev/null),)
 $(B)/obj/examples/scene_gltf.o: CPPFLAGS += -DTINYGLTF_IMPLEMENTATION -DSTB_IMAGE_IMPLEMENTATION
 gltf :=
 else
-gltf := tinygltf
+gltf := tinygltf $(shell pkg-config --exists stb && echo stb)
 endif
 
 $(B)/examples.a: $(call objects,$(example_parts))
@@ -164,12 +164,12 @@ cpp_examples := $(addprefix $(B)/,$(call program_names,$(filter %.cpp,$(example_
 
 $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
-	$(call link,$(CC),egl glfw3)
+	$(call link,$(CC),egl epoxy glfw3)
 
 # An example that needs one more package says so here, like `$(B)/viewer: extra := glfw3`.
 $(cpp_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
-	$(call link,$(CXX),egl $(gltf) $(extra))
+	$(call link,$(CXX),egl epoxy $(gltf) $(extra))
 
 $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 	$(call say,link)
@@ -177,11 +177,11 @@ $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 
 $(gl_tests): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/obj/examples/headless.o
 	$(call say,link)
-	$(call link,$(CC),cmocka egl)
+	$(call link,$(CC),cmocka egl epoxy)
 
 $(benchmarks): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/examples.a
 	$(call say,link)
-	$(call link,$(CXX),egl $(gltf))
+	$(call link,$(CXX),egl epoxy $(gltf))
 
 build/embed: shaders_embedded/embed.c
 	$(call say,cc  )

@@ -84,6 +84,7 @@
        dgb_spiral_turns         any int            exact minimiser to 256       n < 1: 0
        dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
        dgb_pixel_hash           any int            exact, same in GLSL          -
+       dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
        dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
        dgb_keep_test            any float          exact                        NaN anywhere: false
        dgb_ao_term              any float          a few ulp                    not finite: 0
@@ -391,6 +392,9 @@ DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width,
    size / (size + 2 guard), then the jitter. */
 DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band, const float jitter[2],
                                   float widened[16]);
+/* The depth as a fixed-point buffer of `codes` + 1 values holds it (65535 for D16, 16777215 for D24); 0 or less: a float
+   buffer, which holds it as it is. Both sides of a comparison go through this, so that equal codes are equal numbers. */
+DGB_API float dgb_depth_code(float depth, float codes);
 /* Camera z, metres, of a depth-buffer value 0..1. The empty depth, NaN, and what lies beyond 1e15 m or not in front of
    the eye (perspective): 0. */
 DGB_API float dgb_linear_z(float depth, const dgb_camera* camera);
@@ -536,7 +540,7 @@ typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders 
 typedef struct dgb_pack_uniforms {
     dgb_camera camera;
     float      rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
-    float      separation[4];  /* separation (m; -1: not strict) */
+    float      separation[4];  /* separation (m; -1: not strict), depth codes (0: float) */
     int32_t    size[4];        /* buffer width and height */
 } dgb_pack_uniforms;
 
@@ -944,22 +948,27 @@ static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camer
 DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip, bool reversed,
                                           dgb_camera* camera) {
     const float* p = projection;
+    dgb_camera   result;
     /* ndc z = a depth + b, depth = t + clear depth: ndc = a t + c */
     const double a = clip == DGB_CLIP_ZERO_TO_ONE ? 1.0 : 2.0;
     const double c = a * (double)dgbi_clear_depth(reversed) + (clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0);
     if (dgbi_check_projection(p, reversed) != DGB_LOG_NONE || width < 1 || height < 1) return DGB_INVALID;
-    memset(camera, 0, sizeof *camera);
+    memset(&result, 0, sizeof result);
     /* ndc (w_z z + w_1) = p_z z + p_1, solved for z */
-    camera->linearise[0] = (float)((double)p[14] - c * (double)p[15]);
-    camera->linearise[1] = (float)(-a * (double)p[15]);
-    camera->linearise[2] = (float)(c * (double)p[11] - (double)p[10]);
-    camera->linearise[3] = (float)(a * (double)p[11]);
-    dgbi_unproject_axis(p, 0, width, camera);
-    dgbi_unproject_axis(p, 1, height, camera);
-    camera->footprint[0] = 0.5f * fabsf(p[5]) * (float)height;
-    camera->footprint[1] = p[11];
-    camera->footprint[2] = p[15];
-    camera->footprint[3] = dgbi_clear_depth(reversed);
+    result.linearise[0] = (float)((double)p[14] - c * (double)p[15]);
+    result.linearise[1] = (float)(-a * (double)p[15]);
+    result.linearise[2] = (float)(c * (double)p[11] - (double)p[10]);
+    result.linearise[3] = (float)(a * (double)p[11]);
+    dgbi_unproject_axis(p, 0, width, &result);
+    dgbi_unproject_axis(p, 1, height, &result);
+    result.footprint[0] = 0.5f * fabsf(p[5]) * (float)height;
+    result.footprint[1] = p[11];
+    result.footprint[2] = p[15];
+    result.footprint[3] = dgbi_clear_depth(reversed);
+    if (!dgbi_all_finite(result.linearise, 4) || !dgbi_all_finite(result.position_z, 4) ||
+        !dgbi_all_finite(result.position_1, 4) || !dgbi_is_finite(result.footprint[0]))
+        return DGB_INVALID; /* the inverse overflows */
+    *camera = result;
     return DGB_OK;
 }
 
@@ -978,13 +987,21 @@ DGB_API void dgb_widen_projection(const float projection[16], int width, int hei
     }
 }
 
+DGB_API float dgb_depth_code(float depth, float codes) {
+    const float scaled = depth * codes;
+    if (!(codes > 0.0f) || !(scaled >= 0.0f && scaled <= codes)) return depth;
+    return (scaled < 8388608.0f ? floorf(scaled + 0.5f) : scaled) / codes; /* from 2^23 on floats are integers */
+}
+
 DGB_API float dgb_linear_z(float depth, const dgb_camera* camera) {
     const float* l = camera->linearise;
     const float  t = depth - camera->footprint[3];
     const float  w = l[2] + l[3] * t;
     const float  z = w != 0.0f ? (l[0] + l[1] * t) / w : 0.0f;
     const bool   perspective = camera->footprint[1] != 0.0f;
-    if (!dgbi_is_finite(z) || t == 0.0f || fabsf(z) > DGB_MAX_DISTANCE || (perspective && z >= 0.0f)) return 0.0f;
+    if (!dgbi_is_finite(depth) || !dgbi_is_finite(z) || t == 0.0f || fabsf(z) > DGB_MAX_DISTANCE ||
+        (perspective && z >= 0.0f))
+        return 0.0f;
     return z;
 }
 
@@ -1776,6 +1793,7 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
         for (row = 0; row < 3; ++row)
             u->rotation[column][row] = c->desc.world_normals ? c->view[column * 4 + row] : column == row ? 1.0f : 0.0f;
     u->separation[0] = q->strict_separation ? q->separation : -1.0f;
+    u->separation[1] = dgbi_depth_codes(c->desc.depth_format);
     u->size[0]       = c->plan.width;
     u->size[1]       = c->plan.height;
 }

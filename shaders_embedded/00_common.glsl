@@ -50,6 +50,12 @@ ivec2 dgb_mip_source(ivec2 p, int level) {
     return (p << level) | (odd_texel.yx & (0xaaaa >> (16 - level))) | (odd_texel & (0x5555 >> (16 - level)));
 }
 
+float dgb_depth_code(float depth, float codes) {
+    float scaled = depth * codes;
+    if (!(codes > 0.0) || !(scaled >= 0.0 && scaled <= codes)) return depth;
+    return (scaled < 8388608.0 ? floor(scaled + 0.5) : scaled) / codes;
+}
+
 float dgb_linear_z(float depth, dgb_camera camera) {
     float t           = depth - camera.footprint.w;
     float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);

@@ -26,12 +26,6 @@ vec2 dgb_velocity() {
     return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;
 }
 
-// The depth as the buffer will store it, so that the keep test compares like with like.
-float dgb_depth_code(float depth) {
-    float codes = dgb_draw_size.w;
-    return codes > 0.0 ? floor(depth * codes + 0.5) / codes : depth;
-}
-
 // Whether this fragment belongs to its layer. Layer 0 keeps all; layer j what is behind layer j-1 of the oracle by more
 // than the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are
 // exactly 0 when nothing moves: then every oracle gives what peeling gives, bit for bit.
@@ -39,7 +33,7 @@ bool dgb_keep() {
 #if DGB_LAYERS > 1
     if (dgb_v_layer == 0) return true;
     vec2  pixel = gl_FragCoord.xy;
-    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z), dgb_draw_camera);
+    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w), dgb_draw_camera);
     if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {
         vec2 then = pixel - dgb_velocity();
         // behind the previous eye or off its buffer: judged at its own pixel, as PREVIOUS does
@@ -49,7 +43,7 @@ bool dgb_keep() {
         }
     }
     float front = texelFetch(dgb_oracle, ivec3(ivec2(pixel), dgb_v_layer - 1), 0).r;
-    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);
+    return dgb_keep_test(z, dgb_linear_z(dgb_depth_code(front, dgb_draw_size.w), dgb_draw_previous), dgb_draw_size.z);
 #else
     return true;
 #endif

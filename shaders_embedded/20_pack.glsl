@@ -3,7 +3,7 @@
 layout(std140) uniform dgb_pack_block {
     dgb_camera dgb_pack_camera;
     vec4       dgb_pack_rotation[3]; // world to camera, columns
-    vec4       dgb_pack_separation;  // x: separation in m, or -1: keep what the oracle let through
+    vec4       dgb_pack_separation;  // separation in m (-1: keep what the oracle let through), depth codes
     ivec4      dgb_pack_size;        // buffer width, height
 };
 
@@ -29,7 +29,7 @@ vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, ivec3(p,
 vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, ivec3(p, layer), 0).rgb; }
 #endif
 
-float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_at(layer, p), dgb_pack_camera); }
+float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }
 
 layout(location = 0) out vec4 dgb_out_z;
 layout(location = 1) out vec4 dgb_out_normals;

@@ -1,3 +1,4 @@
 /* The one translation unit of a test program that holds the implementation. */
 #define DEEPGBUFFER_IMPLEMENTATION
 #include "deepgbuffer.h"
+#include "deepgbuffer_gl.h"

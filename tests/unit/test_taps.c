@@ -8,7 +8,6 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,320 @@
+/* The layers themselves: minimum separation, and that every way of building them gives the same as peeling. */
+#include "gl_fixture.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 200, HEIGHT = 120, GUARD = 16 };
+
+static fixture f;
+
+typedef struct built { /* everything one build wrote */
+    int    width, height, layers;
+    float* z[DGB_MAX_LAYERS];        /* camera z, 0 where empty */
+    float* targets[DGB_MAX_LAYERS][4]; /* albedo, normal, radiance, velocity */
+} built;
+
+static const struct {
+    dgb_slot slot;
+    GLenum   format;
+    int      channels;
+} target_slots[4] = {{DGB_ALBEDO, GL_RGBA, 4}, {DGB_NORMAL, GL_RGBA, 4}, {DGB_RADIANCE, GL_RGB, 3}, {DGB_VELOCITY, GL_RG, 2}};
+
+static built read_layers(const dgb_context* c) {
+    built b;
+    const float codes = c->desc.depth_format == DGB_FORMAT_D16 ? 65535.0f : c->desc.depth_format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
+    int         layer, target, i;
+    memset(&b, 0, sizeof b);
+    b.width  = c->plan.width;
+    b.height = c->plan.height;
+    b.layers = c->plan.layers;
+    for (layer = 0; layer < b.layers; ++layer) {
+        b.z[layer] =
+            fixture_read(dgb_get_texture(c, DGB_DEPTH), 0, layer, b.width, b.height, b.layers, GL_DEPTH_COMPONENT, 1);
+        for (i = 0; i < b.width * b.height; ++i) b.z[layer][i] = dgb_linear_z(dgb_depth_code(b.z[layer][i], codes), &c->camera);
+        for (target = 0; target < 4; ++target)
+            b.targets[layer][target] = fixture_read(dgb_get_texture(c, target_slots[target].slot), 0, layer, b.width, b.height,
+                                                    b.layers, target_slots[target].format, target_slots[target].channels);
+    }
+    return b;
+}
+
+static void free_layers(built* b) {
+    int layer, target;
+    for (layer = 0; layer < b->layers; ++layer) {
+        free(b->z[layer]);
+        for (target = 0; target < 4; ++target) free(b->targets[layer][target]);
+    }
+}
+
+/* Texels that differ in anything. */
+static int count_differences(const built* a, const built* b) {
+    int layer, target, i, count = 0;
+    for (layer = 0; layer < a->layers; ++layer)
+        for (i = 0; i < a->width * a->height; ++i) {
+            bool same = memcmp(&a->z[layer][i], &b->z[layer][i], sizeof(float)) == 0;
+            for (target = 0; target < 4; ++target) {
+                const size_t channels = (size_t)target_slots[target].channels;
+                same = same && memcmp(a->targets[layer][target] + (size_t)i * channels,
+                                      b->targets[layer][target] + (size_t)i * channels, channels * sizeof(float)) == 0;
+            }
+            count += !same;
+        }
+    return count;
+}
+
+/* Layer-j texels that are not more than the separation behind layer j-1, and layer-j texels in all. */
+static void count_violations(const built* b, float separation, int* violations, int* filled) {
+    int layer, i;
+    *violations = *filled = 0;
+    for (layer = 1; layer < b->layers; ++layer)
+        for (i = 0; i < b->width * b->height; ++i) {
+            if (b->z[layer][i] == 0.0f) continue;
+            ++*filled;
+            *violations += !dgb_keep_test(b->z[layer][i], b->z[layer - 1][i], separation);
+        }
+}
+
+typedef struct setup {
+    dgb_oracle   oracle;
+    dgb_emission emission;
+    int          layers;
+    dgb_format   depth_format;
+    bool         moving; /* camera and box move from frame to frame */
+    float        separation;
+    fixture_view view;
+} setup;
+
+static setup default_setup(dgb_oracle oracle, dgb_emission emission) {
+    setup s;
+    memset(&s, 0, sizeof s);
+    s.oracle     = oracle;
+    s.emission   = emission;
+    s.layers     = 2;
+    s.separation = 0.5f;
+    s.view       = fixture_default_view();
+    return s;
+}
+
+static dgb_desc desc_of(const setup* s) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width        = WIDTH;
+    d.height       = HEIGHT;
+    d.guard_band   = GUARD;
+    d.layers       = s->layers;
+    d.oracle       = s->oracle;
+    d.emission     = s->emission;
+    d.depth_format = s->depth_format;
+    d.clip         = s->view.clip;
+    d.reversed     = s->view.reversed;
+    d.backend      = &f.gl.backend;
+    d.log          = fixture_log;
+    return d;
+}
+
+static dgb_view view_at(const setup* s, int frame) {
+    fixture_view v = s->view;
+    if (s->moving) {
+        v.eye[0] += 0.045f * (float)frame;
+        v.yaw += 0.006f * (float)frame;
+    }
+    f.previous_time = s->moving && frame ? 0.1f * (float)(frame - 1) : 0.0f;
+    f.time          = s->moving ? 0.1f * (float)frame : 0.0f;
+    return fixture_dgb_view(&v, WIDTH, HEIGHT);
+}
+
+/* The layers after `frames` frames. */
+static built build_frames(const setup* s, int frames) {
+    dgb_context       c;
+    dgb_desc          d = desc_of(s);
+    dgb_params        q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_draw_user user;
+    built             b;
+    int               frame;
+    memset(&user, 0, sizeof user);
+    user.f       = &f;
+    q.separation = s->separation;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    user.program = fixture_program(&c);
+    assert_true(user.program != 0);
+    for (frame = 0; frame < frames; ++frame) {
+        dgb_view view = view_at(s, frame);
+        assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    }
+    b = read_layers(&c);
+    glDeleteProgram(user.program);
+    dgb_shutdown(&c);
+    return b;
+}
+
+static void check_against_peel(setup s, int frames) {
+    setup peel     = s;
+    built a        = build_frames(&s, frames), b;
+    int   violations, filled;
+    peel.oracle   = DGB_ORACLE_PEEL;
+    peel.emission = DGB_EMISSION_AUTO;
+    b             = build_frames(&peel, frames);
+    count_violations(&b, s.separation, &violations, &filled);
+    printf("# %s depth, fov %g, reversed %d, far %g: %d violations, %d differences, %d filled\n", dgb_format_name(s.depth_format),
+           (double)s.view.fov, s.view.reversed, (double)s.view.far_plane, violations, count_differences(&a, &b), filled);
+    if (s.layers > 1) assert_true(filled > WIDTH * HEIGHT / 10); /* or the comparison means nothing */
+    assert_int_equal(violations, 0);
+    assert_int_equal(count_differences(&a, &b), 0);
+    free_layers(&a);
+    free_layers(&b);
+}
+
+static void still_equals_peel(dgb_oracle oracle, dgb_emission emission) {
+    static const float separations[] = {0.5f, 0.0f, 0.05f};
+    size_t             i;
+    for (i = 0; i < 3; ++i) {
+        setup s      = default_setup(oracle, emission);
+        s.separation = separations[i];
+        check_against_peel(s, 2);
+        check_against_peel(s, 3);
+    }
+}
+
+static void test_previous_separate(void** state) { (void)state; still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_SEPARATE); }
+static void test_previous_vertex(void** state) { (void)state; still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_VERTEX); }
+static void test_reproject_separate(void** state) { (void)state; still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE); }
+static void test_reproject_vertex(void** state) { (void)state; still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX); }
+
+/* Geometry shaders clip and so move the last bits of depth: coverage within 1e-4 of the texels, depth within 1e-4. */
+static void geometry_nearly_equals_peel(dgb_oracle oracle) {
+    setup s = default_setup(oracle, DGB_EMISSION_GEOMETRY), peel = default_setup(DGB_ORACLE_PEEL, DGB_EMISSION_AUTO);
+    built a = build_frames(&s, 3), b = build_frames(&peel, 3);
+    int   layer, i, coverage = 0, depth = 0;
+    for (layer = 0; layer < 2; ++layer)
+        for (i = 0; i < a.width * a.height; ++i) {
+            const float za = a.z[layer][i], zb = b.z[layer][i];
+            if ((za == 0.0f) != (zb == 0.0f) || fabsf(za - zb) > 0.25f)
+                ++coverage; /* another surface, or none */
+            else if (fabsf(za - zb) > 1e-4f * fabsf(zb))
+                ++depth;
+        }
+    printf("# geometry, %s: %d texels of another coverage, %d of another depth\n", dgb_oracle_name(oracle), coverage, depth);
+    assert_true(coverage <= 2 * a.width * a.height / 10000);
+    assert_int_equal(depth, 0);
+    free_layers(&a);
+    free_layers(&b);
+}
+
+static void test_previous_geometry(void** state) { (void)state; geometry_nearly_equals_peel(DGB_ORACLE_PREVIOUS); }
+static void test_reproject_geometry(void** state) { (void)state; geometry_nearly_equals_peel(DGB_ORACLE_REPROJECT); }
+
+static void test_conventions(void** state) {
+    static const dgb_format formats[] = {DGB_FORMAT_D16, DGB_FORMAT_D24, DGB_FORMAT_D32F};
+    int                     kind, format;
+    (void)state;
+    for (kind = 0; kind < 5; ++kind)
+        for (format = 0; format < 3; ++format) {
+            setup s        = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX);
+            s.depth_format = formats[format];
+            if (kind == 1) s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE;
+            if (kind == 2) s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE, s.view.far_plane = 0.0f;
+            if (kind == 3) s.view.fov = 0.0f;
+            if (kind == 4) s.view.jitter[0] = 0.3f, s.view.jitter[1] = -0.4f;
+            if (kind == 2 && formats[format] == DGB_FORMAT_D16) continue; /* 8 m behind 0.1: D16 resolves no 0.5 m there */
+            check_against_peel(s, 3);
+        }
+}
+
+static void test_k_layers(void** state) {
+    int layers;
+    (void)state;
+    for (layers = 1; layers <= 8; ++layers) {
+        setup s      = default_setup(layers == 1 ? DGB_ORACLE_PEEL : DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO);
+        s.layers     = layers;
+        s.separation = 0.2f;
+        check_against_peel(s, layers + 1);
+    }
+}
+
+/* With motion an oracle errs, but REPROJECT less than PREVIOUS; layer 0 is never touched. */
+static void test_motion(void** state) {
+    static const dgb_oracle oracles[] = {DGB_ORACLE_PEEL, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS};
+    built                   b[3];
+    int                     wrong[3] = {0, 0, 0}, o, i, target;
+    (void)state;
+    for (o = 0; o < 3; ++o) {
+        setup s  = default_setup(oracles[o], DGB_EMISSION_AUTO);
+        s.moving = true;
+        b[o]     = build_frames(&s, 6);
+    }
+    for (o = 1; o < 3; ++o) {
+        const size_t image = (size_t)(b[0].width * b[0].height);
+        assert_memory_equal(b[o].z[0], b[0].z[0], image * sizeof(float));
+        for (target = 0; target < 4; ++target)
+            assert_memory_equal(b[o].targets[0][target], b[0].targets[0][target],
+                                image * (size_t)target_slots[target].channels * sizeof(float));
+        for (i = 0; i < (int)image; ++i) wrong[o] += fabsf(b[o].z[1][i] - b[0].z[1][i]) > 1e-3f;
+    }
+    printf("# layer-1 texels that differ from peeling: reproject %d, previous %d of %d\n", wrong[1], wrong[2],
+           b[0].width * b[0].height);
+    assert_true(wrong[2] > 100);
+    assert_true(3 * wrong[1] < wrong[2]);
+    for (o = 0; o < 3; ++o) free_layers(&b[o]);
+}
+
+static void test_empty_scene(void** state) {
+    dgb_context       c;
+    setup             s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO);
+    dgb_desc          d = desc_of(&s);
+    dgb_params        q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_view          view = view_at(&s, 0);
+    fixture_draw_user user;
+    built             b;
+    int               layer, i;
+    (void)state;
+    memset(&user, 0, sizeof user);
+    user.f       = &f;
+    user.nothing = true;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    b = read_layers(&c);
+    for (layer = 0; layer < 2; ++layer)
+        for (i = 0; i < b.width * b.height; ++i) {
+            assert_true(b.z[layer][i] == 0.0f);
+            assert_true(b.targets[layer][0][i * 4] == 0.0f && b.targets[layer][2][i * 3] == 0.0f);
+        }
+    free_layers(&b);
+    dgb_shutdown(&c);
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_previous_separate), cmocka_unit_test(test_previous_vertex),
+        cmocka_unit_test(test_reproject_separate), cmocka_unit_test(test_reproject_vertex),
+        cmocka_unit_test(test_previous_geometry), cmocka_unit_test(test_reproject_geometry),
+        cmocka_unit_test(test_conventions),       cmocka_unit_test(test_k_layers),
+        cmocka_unit_test(test_motion),            cmocka_unit_test(test_empty_scene),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
