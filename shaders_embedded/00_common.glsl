@@ -24,8 +24,7 @@ vec2 dgb_oct16_encode(vec3 n) {
 }
 
 vec3 dgb_oct16_decode(vec2 bytes) {
-    vec2  q = floor(bytes * 255.0 + 0.5);
-    vec2  p = (min(q, 254.0) - 127.0) / 127.0;
+    vec2  p = min(bytes * (255.0 / 127.0) - 1.0, 1.0);
     float z = 1.0 - abs(p.x) - abs(p.y);
     return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));
 }
@@ -75,9 +74,15 @@ float dgb_pixels_per_metre(float z, dgb_camera camera) {
 
 bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }
 
-float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
+// The square, so that the larger of two layers is known before a root is taken.
+float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
     float d2 = dot(v, v);
-    return max(1.0 - d2 * inv_r2, 0.0) * max((dot(v, n) - beta) * inversesqrt(d2 + epsilon), 0.0);
+    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(v, n) - beta, 0.0);
+    return a > 0.0 ? a * a / (d2 + epsilon) : 0.0;
+}
+
+float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
+    return sqrt(dgb_ao_term_squared(v, n, inv_r2, beta, epsilon));
 }
 
 float dgb_ambient_visibility(float sum, float pi_over_count) { return max(1.0 - sqrt(pi_over_count * sum), 0.0); }

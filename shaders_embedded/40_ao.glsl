@@ -17,9 +17,10 @@ layout(location = 0) out vec4 dgb_out_ao;
 const float DGB_AO_FADE_START = 1.5; // reach in pixels below which there is nothing to sample
 const float DGB_AO_FADE_END   = 3.0; // and from which on the result counts in full
 
-float dgb_occlusion(vec2 ray_z, vec2 ray_1, float z, vec3 x, vec3 n) {
-    vec3 v = vec3(ray_z * z + ray_1, z) - x;
-    return z != 0.0 ? dgb_ao_term(v, n, dgb_ao_radius.y, dgb_ao_radius.z, dgb_ao_radius.w) : 0.0;
+// Square of the occlusion by the surface at depth z on the ray through a tap; ray_1 is relative to the shaded point's x, y.
+float dgb_occlusion_squared(vec2 ray_z, vec2 ray_1, float z, float shaded_z, vec3 n) {
+    vec3 v = vec3(ray_z * z + ray_1, z - shaded_z);
+    return z != 0.0 ? dgb_ao_term_squared(v, n, dgb_ao_radius.y, dgb_ao_radius.z, dgb_ao_radius.w) : 0.0;
 }
 
 void main() {
@@ -35,14 +36,13 @@ void main() {
         dgb_tap tap   = dgb_tap_at(dgb_ao_taps[i], rotation, reach, gl_FragCoord.xy, dgb_ao_size.xy, dgb_ao_level);
         vec2    at    = vec2(tap.pixel) + 0.5;
         vec2    ray_z = at * dgb_ao_camera.position_z.xy + dgb_ao_camera.position_z.zw;
-        vec2    ray_1 = at * dgb_ao_camera.position_1.xy + dgb_ao_camera.position_1.zw;
+        vec2    ray_1 = at * dgb_ao_camera.position_1.xy + (dgb_ao_camera.position_1.zw - x.xy);
+        vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;
+        float   a2    = dgb_occlusion_squared(ray_z, ray_1, zs.x, z, n);
 #if DGB_LAYERS > 1
-        vec2  zs = texelFetch(dgb_z, tap.texel, tap.level).xy;
-        float a  = max(dgb_occlusion(ray_z, ray_1, zs.x, x, n), dgb_occlusion(ray_z, ray_1, zs.y, x, n));
-#else
-        float a = dgb_occlusion(ray_z, ray_1, texelFetch(dgb_z, tap.texel, tap.level).x, x, n);
+        a2 = max(a2, dgb_occlusion_squared(ray_z, ray_1, zs.y, z, n));
 #endif
-        sum += tap.pixel != pixel ? a : 0.0;
+        sum += tap.pixel != pixel ? sqrt(a2) : 0.0;
     }
     float visibility = dgb_ambient_visibility(sum, dgb_ao_scale.x);
     visibility       = dgb_ao_scale.y == 1.0 ? visibility : pow(visibility, dgb_ao_scale.y);

@@ -25,20 +25,26 @@ layout(location = 0) out vec4 dgb_out_ao;
 layout(location = DGB_FILTER_AO) out vec4 dgb_out_irradiance;
 #endif
 
-float dgb_weight_at(ivec2 p, vec3 x, vec3 n) {
-    float z      = texelFetch(dgb_z, p, 0).x;
-    vec3  n2     = dgb_oct16_decode(texelFetch(dgb_normals, p, 0).xy);
-    vec3  dq     = dgb_position(vec2(p) + 0.5, z, dgb_reconstruct_camera) - x;
-    float weight = dgb_bilateral_weight(n, n2, dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
-    return z != 0.0 ? weight : 0.0;
-}
-
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float z     = texelFetch(dgb_z, pixel, 0).x;
-    vec3  x     = dgb_position(gl_FragCoord.xy, z, dgb_reconstruct_camera);
-    vec3  n     = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
-    int   side  = z != 0.0 ? dgb_reconstruct_axis.z : 0;
+    dgb_camera camera = dgb_reconstruct_camera;
+    ivec2      axis   = dgb_reconstruct_axis.xy;
+    ivec2      pixel  = ivec2(gl_FragCoord.xy);
+    float      z      = texelFetch(dgb_z, pixel, 0).x;
+    vec3       n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
+
+    // offset of the point i steps away, at depth zi: (ray_z + i step_z) zi + (ray_1 + i step_1)
+    vec2 ray_z  = gl_FragCoord.xy * camera.position_z.xy + camera.position_z.zw;
+    vec2 ray_1  = -ray_z * z;
+    vec2 step_z = vec2(axis) * camera.position_z.xy;
+    vec2 step_1 = vec2(axis) * camera.position_1.xy;
+
+    // the taps that lie in the shaded rectangle
+    ivec2 room_before = (pixel - dgb_reconstruct_rect.xy) / max(axis, 1);
+    ivec2 room_after  = (dgb_reconstruct_rect.zw - pixel) / max(axis, 1);
+    int   side        = z != 0.0 ? dgb_reconstruct_axis.z : 0;
+    int   first       = -min(side, axis.x > 0 ? room_before.x : room_before.y);
+    int   last        = min(side, axis.x > 0 ? room_after.x : room_after.y);
+
     float total = dgb_reconstruct_weights[0].x;
 #if DGB_FILTER_AO
     float ao = total * texelFetch(dgb_ao_raw, pixel, 0).x;
@@ -46,16 +52,19 @@ void main() {
 #if DGB_FILTER_IRRADIANCE
     vec4 irradiance = total * texelFetch(dgb_irradiance_raw, pixel, 0);
 #endif
-    for (int i = -side; i <= side; ++i) {
-        ivec2 p      = pixel + i * dgb_reconstruct_axis.xy;
-        ivec2 inside = clamp(p, dgb_reconstruct_rect.xy, dgb_reconstruct_rect.zw);
-        float weight = i != 0 && p == inside ? dgb_reconstruct_weights[abs(i)].x * dgb_weight_at(inside, x, n) : 0.0;
+    for (int i = first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) { // every tap but the centre
+        ivec2 p      = pixel + i * axis;
+        float zi     = texelFetch(dgb_z, p, 0).x;
+        vec3  ni     = dgb_oct16_decode(texelFetch(dgb_normals, p, 0).xy);
+        vec3  dq     = vec3((ray_z + float(i) * step_z) * zi + (ray_1 + float(i) * step_1), zi - z);
+        float weight = dgb_bilateral_weight(n, ni, dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
+        weight       = zi != 0.0 ? weight * dgb_reconstruct_weights[abs(i)].x : 0.0;
         total += weight;
 #if DGB_FILTER_AO
-        ao += weight * texelFetch(dgb_ao_raw, inside, 0).x;
+        ao += weight * texelFetch(dgb_ao_raw, p, 0).x;
 #endif
 #if DGB_FILTER_IRRADIANCE
-        irradiance += weight * texelFetch(dgb_irradiance_raw, inside, 0);
+        irradiance += weight * texelFetch(dgb_irradiance_raw, p, 0);
 #endif
     }
 #if DGB_FILTER_AO
