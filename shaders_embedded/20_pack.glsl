@@ -42,22 +42,31 @@ layout(location = 3) out vec4 dgb_out_b1;
 
 // The Oct16 bytes of a layer's normal, from whatever the engine has.
 #if DGB_NORMALS_FORMAT == 0
-// From depth: the neighbouring point that lies nearer in depth, so that silhouettes do not bend the normal.
-vec3 dgb_edge(vec3 here, vec3 before, vec3 after) {
-    bool use_before = before.z != 0.0 && (after.z == 0.0 || abs(before.z - here.z) < abs(after.z - here.z));
-    return use_before ? here - before : after.z != 0.0 ? after - here : vec3(0.0);
+// From depth. Along each axis the tangent comes from the side on which the surface goes on: the one whose two texels
+// extrapolate best to this one. Window depth is linear in the image over a plane, so a plane extrapolates exactly.
+bool dgb_inside(ivec2 p) { return p.x >= 0 && p.y >= 0 && p.x < dgb_pack_size.x && p.y < dgb_pack_size.y; }
+
+vec3 dgb_point(int layer, ivec2 p) { return dgb_position(vec2(p) + 0.5, dgb_z_at(layer, p), dgb_pack_camera); }
+
+// How badly the texels at p + step and p + 2 step foretell the depth at p; 2: there is no surface to ask.
+float dgb_kink(int layer, ivec2 p, ivec2 step, float depth) {
+    if (!dgb_inside(p + step) || dgb_z_at(layer, p + step) == 0.0) return 2.0;
+    float near = dgb_depth_at(layer, p + step);
+    if (!dgb_inside(p + 2 * step) || dgb_z_at(layer, p + 2 * step) == 0.0) return abs(near - depth);
+    return abs(2.0 * near - dgb_depth_at(layer, p + 2 * step) - depth);
 }
 
-// z = 0, no surface, off the buffer.
-vec3 dgb_point(int layer, ivec2 p) {
-    bool inside = p.x >= 0 && p.y >= 0 && p.x < dgb_pack_size.x && p.y < dgb_pack_size.y;
-    return dgb_position(vec2(p) + 0.5, inside ? dgb_z_at(layer, p) : 0.0, dgb_pack_camera);
+vec3 dgb_tangent(int layer, ivec2 p, ivec2 step, vec3 here) {
+    float depth = dgb_depth_at(layer, p);
+    float after = dgb_kink(layer, p, step, depth), before = dgb_kink(layer, p, -step, depth);
+    if (after < 2.0 && after <= before) return dgb_point(layer, p + step) - here;
+    return before < 2.0 ? here - dgb_point(layer, p - step) : vec3(0.0);
 }
 
 vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {
-    vec3 here = dgb_position(vec2(p) + 0.5, z, dgb_pack_camera);
-    vec3 x    = dgb_edge(here, dgb_point(layer, p - ivec2(1, 0)), dgb_point(layer, p + ivec2(1, 0)));
-    vec3 y    = dgb_edge(here, dgb_point(layer, p - ivec2(0, 1)), dgb_point(layer, p + ivec2(0, 1)));
+    vec3 here = dgb_point(layer, p);
+    vec3 x    = dgb_tangent(layer, p, ivec2(1, 0), here);
+    vec3 y    = dgb_tangent(layer, p, ivec2(0, 1), here);
     return dgb_oct16_encode(cross(x / z, y / z)); // free of units; zero without neighbours: +Z, towards the eye
 }
 #elif DGB_NORMALS_FORMAT == 1

@@ -1,0 +1,646 @@
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
+/* The OpenGL backend as a guest in an engine's context: it leaves state and objects as it found them. */
+#include "gl_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 96, HEIGHT = 64 };
+
+static fixture f;
+
+static dgb_desc small_desc(void) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width      = WIDTH;
+    d.height     = HEIGHT;
+    d.guard_band = 8;
+    d.effects    = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.backend    = &f.gl.backend;
+    d.log        = fixture_log;
+    return d;
+}
+
+/* One frame of everything. */
+static void run_frame(dgb_context* c, GLuint program) {
+    const fixture_view v    = fixture_default_view();
+    const dgb_view     view = fixture_dgb_view(&v, c->desc.width, c->desc.height);
+    const dgb_params   q    = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_draw_user  user;
+    memset(&user, 0, sizeof user);
+    user.f       = &f;
+    user.program = program;
+    assert_int_equal(dgb_build(c, &view, &q, fixture_draw, &user), DGB_OK);
+    assert_int_equal(dgb_shade(c, &q), DGB_OK);
+}
+
+static float* read_irradiance(const dgb_context* c) {
+    return fixture_read(dgb_get_texture(c, DGB_IRRADIANCE), 0, 0, c->plan.width, c->plan.height, 0, GL_RGBA, 4);
+}
+
+/* >> state: every value that the backend promises to keep, set to something odd and compared */
+
+typedef struct snapshot {
+    char   text[16384];
+    size_t length;
+} snapshot;
+
+static void note(snapshot* s, const char* what, int index, double value) {
+    s->length += (size_t)snprintf(s->text + s->length, sizeof s->text - s->length, "%s[%d] = %.9g\n", what, index, value);
+    assert_true(s->length < sizeof s->text);
+}
+
+static void note_integer(snapshot* s, GLenum name, const char* label) {
+    GLint v[4] = {0, 0, 0, 0};
+    glGetIntegerv(name, v);
+    note(s, label, 0, v[0]);
+    note(s, label, 1, v[1]);
+}
+#define NOTE(name) note_integer(&s, name, #name)
+
+static const GLenum capabilities[] = {
+    GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DITHER, GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_COVERAGE, GL_RASTERIZER_DISCARD, GL_PRIMITIVE_RESTART_FIXED_INDEX, GL_SAMPLE_MASK, GL_COLOR_LOGIC_OP,
+    GL_MULTISAMPLE, GL_DEPTH_CLAMP, GL_PRIMITIVE_RESTART, GL_FRAMEBUFFER_SRGB, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE0 + 3,
+    GL_CLIP_DISTANCE0 + 7};
+
+static void note_indexed(snapshot* s) {
+    int i;
+    for (i = 0; i < 16; ++i) {
+        GLfloat  viewport[4];
+        GLdouble range[2];
+        glGetFloati_v(GL_VIEWPORT, (GLuint)i, viewport);
+        glGetDoublei_v(GL_DEPTH_RANGE, (GLuint)i, range);
+        note(s, "viewport.x", i, (double)viewport[0]);
+        note(s, "viewport.y", i, (double)viewport[1]);
+        note(s, "viewport.w", i, (double)viewport[2]);
+        note(s, "viewport.h", i, (double)viewport[3]);
+        note(s, "depth_range.near", i, range[0]);
+        note(s, "depth_range.far", i, range[1]);
+        note(s, "scissor", i, glIsEnabledi(GL_SCISSOR_TEST, (GLuint)i));
+    }
+    for (i = 0; i < 8; ++i) {
+        GLboolean mask[4];
+        glGetBooleani_v(GL_COLOR_WRITEMASK, (GLuint)i, mask);
+        note(s, "blend", i, glIsEnabledi(GL_BLEND, (GLuint)i));
+        note(s, "color_mask", i, mask[0] * 8 + mask[1] * 4 + mask[2] * 2 + mask[3]);
+    }
+}
+
+static void note_units(snapshot* s) {
+    GLint active;
+    int   unit;
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+    note(s, "active_texture", 0, active);
+    for (unit = 0; unit < 16; ++unit) {
+        GLint texture, array, sampler;
+        glActiveTexture((GLenum)(GL_TEXTURE0 + unit));
+        glGetIntegerv(GL_TEXTURE_BINDING_2D, &texture);
+        glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &array);
+        glGetIntegerv(GL_SAMPLER_BINDING, &sampler);
+        note(s, "texture_2d", unit, texture);
+        note(s, "texture_2d_array", unit, array);
+        note(s, "sampler", unit, sampler);
+    }
+    glActiveTexture((GLenum)active);
+}
+
+static snapshot take_snapshot(void) {
+    static snapshot s;
+    GLint           buffer;
+    GLint64         start, size;
+    size_t          i;
+    memset(&s, 0, sizeof s);
+    NOTE(GL_DRAW_FRAMEBUFFER_BINDING);
+    NOTE(GL_READ_FRAMEBUFFER_BINDING);
+    NOTE(GL_DEPTH_WRITEMASK);
+    NOTE(GL_DEPTH_FUNC);
+    NOTE(GL_POLYGON_MODE);
+    NOTE(GL_CLIP_ORIGIN);
+    NOTE(GL_CLIP_DEPTH_MODE);
+    NOTE(GL_CURRENT_PROGRAM);
+    NOTE(GL_VERTEX_ARRAY_BINDING);
+    NOTE(GL_UNIFORM_BUFFER_BINDING);
+    NOTE(GL_PIXEL_UNPACK_BUFFER_BINDING);
+    NOTE(GL_UNPACK_ROW_LENGTH);
+    NOTE(GL_UNPACK_SKIP_ROWS);
+    NOTE(GL_UNPACK_SKIP_PIXELS);
+    NOTE(GL_UNPACK_ALIGNMENT);
+    NOTE(GL_UNPACK_IMAGE_HEIGHT);
+    NOTE(GL_UNPACK_SKIP_IMAGES);
+    for (i = 0; i < sizeof capabilities / sizeof capabilities[0]; ++i)
+        note(&s, "capability", (int)capabilities[i], glIsEnabled(capabilities[i]));
+    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, 23, &buffer);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, 23, &start);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, 23, &size);
+    note(&s, "uniform_buffer[23]", 0, buffer);
+    note(&s, "uniform_start[23]", 0, (double)start);
+    note(&s, "uniform_size[23]", 0, (double)size);
+    note_indexed(&s);
+    note_units(&s);
+    return s;
+}
+
+typedef struct hostile { /* what an engine may have bound */
+    GLuint framebuffers[2], textures[2], arrays[2], samplers[2], buffers[2], vertex_array, program;
+} hostile;
+
+static void make_hostile_objects(hostile* h) {
+    int i;
+    glGenFramebuffers(2, h->framebuffers);
+    glGenTextures(2, h->textures);
+    glGenTextures(2, h->arrays);
+    glGenSamplers(2, h->samplers);
+    glGenBuffers(2, h->buffers);
+    glGenVertexArrays(1, &h->vertex_array);
+    h->program = glCreateProgram();
+    for (i = 0; i < 2; ++i) {
+        glBindTexture(GL_TEXTURE_2D, h->textures[i]);
+        glBindTexture(GL_TEXTURE_2D_ARRAY, h->arrays[i]);
+        glSamplerParameteri(h->samplers[i], GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glSamplerParameteri(h->samplers[i], GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+        glBindBuffer(GL_UNIFORM_BUFFER, h->buffers[i]);
+        glBufferData(GL_UNIFORM_BUFFER, 4096, NULL, GL_STATIC_DRAW);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, h->framebuffers[0]);
+    glBindFramebuffer(GL_FRAMEBUFFER, h->framebuffers[1]);
+}
+
+static void set_hostile_state(const hostile* h) {
+    size_t i;
+    int    unit;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, h->framebuffers[0]);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, h->framebuffers[1]);
+    for (i = 0; i < sizeof capabilities / sizeof capabilities[0]; ++i)
+        if (glIsEnabled(capabilities[i]))
+            glDisable(capabilities[i]);
+        else
+            glEnable(capabilities[i]);
+    for (i = 0; i < 16; ++i) {
+        glViewportIndexedf((GLuint)i, (float)i, 2.0f, 30.5f + (float)i, 17.0f);
+        glDepthRangeIndexed((GLuint)i, 0.9 - 0.01 * (double)i, 0.1);
+        glScissorIndexed((GLuint)i, 1, 1, 3, 3);
+        if (i % 3) glEnablei(GL_SCISSOR_TEST, (GLuint)i);
+    }
+    for (i = 0; i < 8; ++i) {
+        if (i % 2) glEnablei(GL_BLEND, (GLuint)i);
+        glColorMaski((GLuint)i, i % 2 != 0, GL_FALSE, i % 3 == 0, GL_FALSE);
+    }
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_NOTEQUAL);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    glCullFace(GL_FRONT_AND_BACK);
+    glLogicOp(GL_INVERT);
+    glStencilFunc(GL_NEVER, 1, 0xff);
+    glSampleMaski(0, 0);
+    glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+    glBindVertexArray(h->vertex_array);
+    glBindBufferRange(GL_UNIFORM_BUFFER, 23, h->buffers[0], 256, 512);
+    glBindBuffer(GL_UNIFORM_BUFFER, h->buffers[1]);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, h->buffers[0]);
+    for (unit = 0; unit < 16; ++unit) {
+        glActiveTexture((GLenum)(GL_TEXTURE0 + unit));
+        glBindTexture(GL_TEXTURE_2D, h->textures[unit % 2]);
+        glBindTexture(GL_TEXTURE_2D_ARRAY, h->arrays[unit % 2]);
+        glBindSampler((GLuint)unit, h->samplers[unit % 2]);
+    }
+    glActiveTexture(GL_TEXTURE3);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
+    glPixelStorei(GL_UNPACK_SKIP_ROWS, 3);
+    glPixelStorei(GL_UNPACK_SKIP_PIXELS, 2);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 8);
+    glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 5);
+    glPixelStorei(GL_UNPACK_SKIP_IMAGES, 1);
+}
+
+static void expect_same(const snapshot* before, const char* after_what) {
+    const snapshot after = take_snapshot();
+    const char *   a = before->text, *b = after.text;
+    while (*a && *a == *b) ++a, ++b;
+    if (*a == *b) return;
+    while (a > before->text && a[-1] != '\n') --a, --b;
+    fail_msg("%s changed the state: %.*s became %.*s", after_what, (int)strcspn(a, "\n"), a, (int)strcspn(b, "\n"), b);
+}
+
+static void test_state_is_restored(void** state) {
+    const fixture_view v    = fixture_default_view();
+    dgb_view           view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    dgb_params         q    = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_desc           d    = small_desc();
+    dgb_context        c;
+    hostile            h;
+    snapshot           before;
+    fixture_draw_user  user;
+    (void)state;
+    /* a context of its own: the hostile state ends with it */
+    fixture_close(&f);
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+    make_hostile_objects(&h);
+    set_hostile_state(&h);
+    before = take_snapshot();
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    expect_same(&before, "dgb_init");
+    memset(&user, 0, sizeof user);
+    user.f       = &f;
+    user.program = fixture_program(&c);
+    expect_same(&before, "dgbgl_attach_program");
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    expect_same(&before, "dgb_build, first frame");
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    expect_same(&before, "dgb_build");
+    assert_int_equal(dgb_shade(&c, &q), DGB_OK);
+    expect_same(&before, "dgb_shade");
+    assert_int_equal(dgb_resize(&c, WIDTH + 5, HEIGHT), DGB_OK);
+    expect_same(&before, "dgb_resize");
+    dgb_shutdown(&c);
+    expect_same(&before, "dgb_shutdown");
+    fixture_close(&f);
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+}
+
+/* What was on before must not leak into the result either. */
+static void test_hostile_state_changes_nothing(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context c;
+    hostile     h;
+    GLuint      program;
+    float *     clean, *dirty;
+    (void)state;
+    fixture_close(&f);
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+    d.backend = &f.gl.backend;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    program = fixture_program(&c);
+    run_frame(&c, program);
+    run_frame(&c, program);
+    clean = read_irradiance(&c);
+    make_hostile_objects(&h);
+    set_hostile_state(&h);
+    run_frame(&c, program);
+    dirty = read_irradiance(&c);
+    assert_memory_equal(clean, dirty, sizeof(float) * 4 * (size_t)(c.plan.width * c.plan.height));
+    free(clean);
+    free(dirty);
+    dgb_shutdown(&c);
+    fixture_close(&f);
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+}
+
+static void test_deleted_program(void** state) {
+    dgb_desc    d       = small_desc();
+    GLuint      program = glCreateProgram(), own;
+    dgb_context c;
+    GLint       current;
+    (void)state;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    own = fixture_program(&c);
+    glLinkProgram(program);
+    glUseProgram(own);
+    glDeleteProgram(own); /* in use: only flagged */
+    run_frame(&c, own);
+    glGetIntegerv(GL_CURRENT_PROGRAM, &current);
+    assert_true(current == 0 || glIsProgram((GLuint)current));
+    glUseProgram(0);
+    glDeleteProgram(program);
+    dgb_shutdown(&c);
+}
+
+/* >> objects */
+
+enum { NAMES = 4096 };
+
+static int count_objects(void) {
+    GLuint name;
+    int    count = 0;
+    for (name = 1; name < NAMES; ++name)
+        count += glIsTexture(name) + glIsBuffer(name) + glIsFramebuffer(name) + glIsProgram(name) + glIsShader(name) +
+                 glIsSampler(name) + glIsVertexArray(name) + glIsQuery(name);
+    return count;
+}
+
+static void test_no_objects_left(void** state) {
+    dgb_desc      d;
+    dgb_context   c;
+    dgbgl_backend gl;
+    dgbgl_desc    gd;
+    GLuint        program;
+    int           before;
+    (void)state;
+    memset(&gd, 0, sizeof gd);
+    gd.get_proc = headless_get_proc;
+    before      = count_objects();
+    assert_int_equal(dgbgl_init(&gl, &gd), DGB_OK);
+    d         = small_desc();
+    d.backend = &gl.backend;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    assert_true(count_objects() > before + 20); /* or the count sees nothing */
+    program = fixture_program(&c);
+    run_frame(&c, program);
+    assert_int_equal(dgb_resize(&c, 50, 70), DGB_OK);
+    run_frame(&c, program);
+    run_frame(&c, program);
+    glDeleteProgram(program);
+    dgb_shutdown(&c);
+    dgbgl_shutdown(&gl);
+    assert_int_equal(count_objects(), before);
+}
+
+static void test_resize_equals_fresh(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context resized, fresh;
+    GLuint      program;
+    float *     a, *b;
+    (void)state;
+    assert_int_equal(dgb_init(&resized, &d), DGB_OK);
+    program = fixture_program(&resized);
+    run_frame(&resized, program);
+    run_frame(&resized, program);
+    assert_int_equal(dgb_resize(&resized, 131, 77), DGB_OK);
+    run_frame(&resized, program);
+    d.width  = 131;
+    d.height = 77;
+    assert_int_equal(dgb_init(&fresh, &d), DGB_OK);
+    run_frame(&fresh, program);
+    a = read_irradiance(&resized);
+    b = read_irradiance(&fresh);
+    assert_memory_equal(a, b, sizeof(float) * 4 * (size_t)(fresh.plan.width * fresh.plan.height));
+    free(a);
+    free(b);
+    glDeleteProgram(program);
+    dgb_shutdown(&resized);
+    dgb_shutdown(&fresh);
+}
+
+static void test_two_contexts(void** state) {
+    dgb_desc    d = small_desc(), e = small_desc();
+    dgb_context one, two;
+    GLuint      program_one, program_two;
+    float *     alone, *together;
+    (void)state;
+    assert_int_equal(dgb_init(&one, &d), DGB_OK);
+    program_one = fixture_program(&one);
+    run_frame(&one, program_one);
+    run_frame(&one, program_one);
+    alone    = read_irradiance(&one);
+    e.width  = 40;
+    e.layers = 1;
+    assert_int_equal(dgb_init(&two, &e), DGB_OK);
+    program_two = fixture_program(&two);
+    run_frame(&two, program_two);
+    run_frame(&one, program_one);
+    run_frame(&two, program_two);
+    together = read_irradiance(&one);
+    assert_memory_equal(alone, together, sizeof(float) * 4 * (size_t)(one.plan.width * one.plan.height));
+    free(alone);
+    free(together);
+    dgb_shutdown(&two);
+    run_frame(&one, program_one); /* the other's end is not this one's */
+    glDeleteProgram(program_one);
+    glDeleteProgram(program_two);
+    dgb_shutdown(&one);
+}
+
+/* >> the engine's own layers */
+
+static dgb_texture layer_view(const dgb_context* c, dgb_slot slot, int layer, GLenum format) {
+    GLuint name;
+    glGenTextures(1, &name);
+    glTextureView(name, GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(c, slot)), format, 0, 1, (GLuint)layer, 1);
+    return dgbgl_texture(name);
+}
+
+/* Layers that the library built, handed back as an engine's own, shade to the same bits. */
+static void test_own_layers(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context built, own;
+    dgb_layers  layers;
+    dgb_params  q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_view v = fixture_default_view();
+    dgb_view    view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    GLuint      program;
+    float *     a, *b;
+    int         layer;
+    (void)state;
+    assert_int_equal(dgb_init(&built, &d), DGB_OK);
+    program = fixture_program(&built);
+    run_frame(&built, program);
+    memset(&layers, 0, sizeof layers);
+    for (layer = 0; layer < 2; ++layer) {
+        layers.depth[layer]    = layer_view(&built, DGB_DEPTH, layer, GL_DEPTH_COMPONENT32F);
+        layers.normal[layer]   = layer_view(&built, DGB_NORMAL, layer, GL_RGBA8);
+        layers.radiance[layer] = layer_view(&built, DGB_RADIANCE, layer, GL_R11F_G11F_B10F);
+    }
+    d.source  = DGB_SOURCE_ENGINE;
+    d.normals = DGB_NORMALS_OCT16;
+    assert_int_equal(dgb_init(&own, &d), DGB_OK);
+    assert_int_equal(dgb_set_layers(&own, &view, &layers), DGB_OK);
+    assert_int_equal(dgb_shade(&own, &q), DGB_OK);
+    a = read_irradiance(&built);
+    b = read_irradiance(&own);
+    assert_memory_equal(a, b, sizeof(float) * 4 * (size_t)(own.plan.width * own.plan.height));
+    free(a);
+    free(b);
+    for (layer = 0; layer < 2; ++layer) {
+        const GLuint names[3] = {dgbgl_texture_name(layers.depth[layer]), dgbgl_texture_name(layers.normal[layer]),
+                                 dgbgl_texture_name(layers.radiance[layer])};
+        glDeleteTextures(3, names);
+    }
+    glDeleteProgram(program);
+    dgb_shutdown(&own);
+    dgb_shutdown(&built);
+}
+
+/* Depth alone: the derived normals agree with the true ones away from edges. */
+static void test_depth_only(void** state) {
+    dgb_desc     d = small_desc();
+    dgb_context  built, own;
+    dgb_layers   layers;
+    dgb_params   q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_view v = fixture_default_view();
+    dgb_view     view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    GLuint       program, name;
+    float *      truth, *derived;
+    int          i, close = 0, surface = 0;
+    (void)state;
+    d.effects = DGB_EFFECT_AO;
+    d.layers  = 1;
+    d.width = 3 * WIDTH, d.height = 3 * HEIGHT;
+    assert_int_equal(dgb_init(&built, &d), DGB_OK);
+    program = fixture_program(&built);
+    run_frame(&built, program);
+    memset(&layers, 0, sizeof layers);
+    layers.depth[0] = layer_view(&built, DGB_DEPTH, 0, GL_DEPTH_COMPONENT32F);
+    d.source        = DGB_SOURCE_ENGINE;
+    assert_int_equal(dgb_init(&own, &d), DGB_OK);
+    assert_int_equal(dgb_set_layers(&own, &view, &layers), DGB_OK);
+    assert_int_equal(dgb_shade(&own, &q), DGB_OK);
+    truth   = fixture_read(dgb_get_texture(&built, DGB_NORMALS), 0, 0, built.plan.width, built.plan.height, 0, GL_RG, 2);
+    derived = fixture_read(dgb_get_texture(&own, DGB_NORMALS), 0, 0, own.plan.width, own.plan.height, 0, GL_RG, 2);
+    for (i = 0; i < own.plan.width * own.plan.height; ++i) {
+        float    a[3], b[3];
+        unsigned ax = (unsigned)(truth[2 * i] * 255.0f + 0.5f), ay = (unsigned)(truth[2 * i + 1] * 255.0f + 0.5f);
+        unsigned bx = (unsigned)(derived[2 * i] * 255.0f + 0.5f), by = (unsigned)(derived[2 * i + 1] * 255.0f + 0.5f);
+        if (ax + ay == 0) continue; /* sky */
+        dgb_oct16_decode((uint16_t)(ax | ay << 8), a);
+        dgb_oct16_decode((uint16_t)(bx | by << 8), b);
+        ++surface;
+        close += a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0.998f; /* 3.6 degrees: two Oct16 errors and some */
+    }
+    printf("# normals from depth: %d of %d close to the true ones\n", close, surface);
+    assert_true(close > surface * 95 / 100);
+    free(truth);
+    free(derived);
+    name = dgbgl_texture_name(layers.depth[0]);
+    glDeleteTextures(1, &name);
+    glDeleteProgram(program);
+    dgb_shutdown(&own);
+    dgb_shutdown(&built);
+}
+
+/* >> init, timers, floors */
+
+static void* no_proc(const char* name) {
+    return strcmp(name, "glDrawBuffers") == 0 ? NULL : headless_get_proc(name);
+}
+
+static void test_bad_init(void** state) {
+    dgbgl_backend gl;
+    dgbgl_desc    gd;
+    (void)state;
+    memset(&gd, 0, sizeof gd);
+    assert_int_equal(dgbgl_init(NULL, &gd), DGB_INVALID);
+    assert_int_equal(dgbgl_init(&gl, NULL), DGB_INVALID);
+    assert_int_equal(dgbgl_init(&gl, &gd), DGB_INVALID);
+    gd.get_proc = no_proc;
+    assert_int_equal(dgbgl_init(&gl, &gd), DGB_DEVICE);
+    dgbgl_shutdown(&gl);
+    dgbgl_shutdown(NULL);
+}
+
+static void test_out_of_memory(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context c;
+    GLuint      program;
+    int         before;
+    (void)state;
+    d.layers = 8;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    program = fixture_program(&c);
+    run_frame(&c, program);
+    before = count_objects();
+    assert_int_equal(dgb_resize(&c, 16000, 16000), DGB_OUT_OF_MEMORY); /* 8 GB of depth: refused at once */
+    assert_int_equal(count_objects(), before);
+    run_frame(&c, program); /* the old textures go on */
+    glDeleteProgram(program);
+    dgb_shutdown(&c);
+    f.messages = 0; /* the driver says so, too */
+}
+
+static void test_timers(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context c;
+    GLuint      program;
+    double      ms = -1.0;
+    int         frame, pass;
+    (void)state;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    program = fixture_program(&c);
+    for (frame = 0; frame < 4; ++frame) {
+        run_frame(&c, program);
+        glFinish();
+    }
+    for (pass = 0; pass < DGB_PASS_COUNT; ++pass) {
+        assert_true(dgbgl_pass_time(&f.gl, (dgb_pass_id)pass, &ms));
+        assert_true(ms >= 0.0);
+    }
+    assert_false(dgbgl_pass_time(&f.gl, DGB_PASS_COUNT, &ms));
+    assert_false(dgbgl_pass_time(NULL, DGB_PASS_AO, &ms));
+    glDeleteProgram(program);
+    dgb_shutdown(&c);
+}
+
+static void test_prefix_lengths(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context c;
+    char        small[8], whole[1 << 16];
+    size_t      length;
+    (void)state;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    length = dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, NULL, 0);
+    assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, small, sizeof small), length);
+    assert_string_equal(small, "#versio");
+    assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), length);
+    assert_int_equal(strlen(whole), length);
+    assert_int_equal(dgbgl_shader_prefix(NULL, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), 0);
+    assert_int_equal(dgbgl_attach_program(&c, 0), DGB_INVALID);
+    dgb_shutdown(&c);
+    assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), 0);
+}
+
+/* The whole path on OpenGL 3.3, with what AUTO finds there and without single-pass emission. */
+static void test_gl33(void** state) {
+    int pretend;
+    (void)state;
+    fixture_close(&f);
+    setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1); /* a driver that gives more than was asked for would hide what is missing */
+    setenv("MESA_GLSL_VERSION_OVERRIDE", "330", 1);
+    for (pretend = 0; pretend < 2; ++pretend) {
+        dgbgl_desc  gd;
+        dgb_desc    d;
+        dgb_context c;
+        GLuint      program;
+        memset(&gd, 0, sizeof gd);
+        gd.no_single_pass = pretend == 1;
+        assert_int_equal(fixture_open(&f, 3, 3, false, &gd), 0);
+        d = small_desc();
+        assert_int_equal(dgb_init(&c, &d), DGB_OK);
+        printf("# OpenGL %d: %s\n", f.gl.version, dgb_emission_name(c.plan.emission));
+        program = fixture_program(&c);
+        run_frame(&c, program);
+        run_frame(&c, program);
+        glDeleteProgram(program);
+        dgb_shutdown(&c);
+        assert_int_equal(f.messages, 0);
+        fixture_close(&f);
+    }
+    unsetenv("MESA_GL_VERSION_OVERRIDE");
+    unsetenv("MESA_GLSL_VERSION_OVERRIDE");
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_objects_left),   cmocka_unit_test(test_resize_equals_fresh),
+        cmocka_unit_test(test_two_contexts),      cmocka_unit_test(test_own_layers),
+        cmocka_unit_test(test_depth_only),        cmocka_unit_test(test_bad_init),
+        cmocka_unit_test(test_timers),            cmocka_unit_test(test_prefix_lengths),
+        cmocka_unit_test(test_deleted_program),   cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_out_of_memory),     cmocka_unit_test(test_state_is_restored),
+        cmocka_unit_test(test_hostile_state_changes_nothing), cmocka_unit_test(test_gl33),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
