@@ -136,6 +136,8 @@ extern "C" {
 #define DGB_MAX_LEVELS 6           /* levels of the packed MIP chain, level 0 included */
 #define DGB_MAX_FILTER_RADIUS 12   /* reconstruction taps on one side of the centre */
 #define DGB_MAX_DISTANCE 1e15f     /* metres; farther is sky */
+#define DGB_MIN_RADIUS 1e-15f      /* metres; of occlusion and bounced light */
+#define DGB_MAX_RADIUS 1e14f
 #define DGB_MAX_RADIANCE 64512.0f  /* largest value of the 10-bit float, the narrowest channel stored to */
 #define DGB_ROTATION_COUNT 256     /* rotations of the spiral */
 #define DGB_AO_LOG2_Q 3            /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
@@ -179,8 +181,8 @@ typedef enum dgb_result {
     X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                                   \
     X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round")     \
     X(SEPARATION, "separation must be finite and 0 or more")                                                         \
-    X(AO_PARAMS, "ao_radius must be > 0, ao_samples 1 to 256, ao_bias, ao_epsilon and ao_intensity finite and >= 0") \
-    X(GATHER_PARAMS, "radius must be finite and > 0, samples 1 to 256")                                              \
+    X(AO_PARAMS, "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0") \
+    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                              \
     X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                               \
     X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")              \
     X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                               \
@@ -1054,9 +1056,15 @@ DGB_API float dgb_gather_scale(float sum_cos, int count, float k) {
 }
 
 DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturated) {
-    const float high = dgbi_max0(fmaxf(albedo[0], fmaxf(albedo[1], albedo[2])));
-    const float low  = dgbi_max0(fminf(albedo[0], fminf(albedo[1], albedo[2])));
-    const float s    = dgbi_is_finite(high) && high > low ? (high - low) / high : 0.0f;
+    float high = 0.0f, low = dgbi_from_bits(0x7f7fffffu), s;
+    int   i;
+    for (i = 0; i < 3; ++i) { /* NaN changes neither */
+        if (dgbi_is_nan(albedo[i])) continue;
+        high = albedo[i] > high ? albedo[i] : high;
+        low  = albedo[i] < low ? albedo[i] : low;
+    }
+    low = dgbi_max0(low);
+    s   = dgbi_is_finite(high) && high > low ? (high - low) / high : 0.0f;
     return unsaturated + (saturated - unsaturated) * s;
 }
 
@@ -1102,15 +1110,18 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
 
 static bool dgbi_at_least(float x, float low) { return dgbi_is_finite(x) && x >= low; }
 
+/* Its square and the inverse of its square are finite, and nothing empty is within it. */
+static bool dgbi_is_radius(float x) { return dgbi_at_least(x, DGB_MIN_RADIUS) && x <= DGB_MAX_RADIUS; }
+
 static bool dgbi_in_range(int x, int low, int high) { return x >= low && x <= high; }
 
 static dgb_log_item dgbi_check_params(const dgb_params* p) {
     if (!dgbi_at_least(p->separation, 0.0f)) return DGB_LOG_SEPARATION;
     if (!dgbi_at_least(p->guard_fraction, 0.0f) || p->guard_fraction > 1.0f) return DGB_LOG_GUARD_FRACTION;
-    if (!dgbi_at_least(p->ao_radius, 1e-15f) || !dgbi_in_range(p->ao_samples, 1, DGB_MAX_TAPS) ||
-        !dgbi_at_least(p->ao_bias, 0.0f) || !dgbi_at_least(p->ao_epsilon, 0.0f) || !dgbi_at_least(p->ao_intensity, 0.0f))
+    if (!dgbi_is_radius(p->ao_radius) || !dgbi_in_range(p->ao_samples, 1, DGB_MAX_TAPS) || !dgbi_at_least(p->ao_bias, 0.0f) ||
+        !dgbi_at_least(p->ao_epsilon, 0.0f) || !dgbi_at_least(p->ao_intensity, 0.0f))
         return DGB_LOG_AO_PARAMS;
-    if (!dgbi_at_least(p->radius, 1e-15f) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
+    if (!dgbi_is_radius(p->radius) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
     if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
         return DGB_LOG_MIP_PARAMS;
     if (!dgbi_in_range(p->filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1) || p->filter_taps % 2 == 0 ||
@@ -1192,7 +1203,8 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (!dgbi_in_range(d->guard_band, 0, DGB_MAX_SIZE) || d->width + 2 * d->guard_band > max_size ||
         d->height + 2 * d->guard_band > max_size)
         return DGB_LOG_GUARD_BAND;
-    if (!dgbi_in_range(d->layers, 0, max_layers) || (d->backend && d->layers > d->backend->caps.max_layers))
+    if (!dgbi_in_range(d->layers, 0, max_layers)) return DGB_LOG_LAYERS;
+    if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
     if (d->effects & ~(uint32_t)(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) return DGB_LOG_EFFECTS;
     if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) || !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
@@ -1216,8 +1228,8 @@ static dgb_log_item dgbi_check_caps(const dgb_desc* d) {
 }
 
 static dgb_emission dgbi_choose_emission(const dgb_desc* d) {
-    if (d->emission) return d->emission;
     if (d->oracle == DGB_ORACLE_PEEL || d->layers == 1) return DGB_EMISSION_SEPARATE;
+    if (d->emission) return d->emission;
     if (!d->backend || d->backend->caps.emission[DGB_EMISSION_VERTEX]) return DGB_EMISSION_VERTEX;
     return d->backend->caps.emission[DGB_EMISSION_GEOMETRY] ? DGB_EMISSION_GEOMETRY : DGB_EMISSION_SEPARATE;
 }
@@ -1475,13 +1487,14 @@ static void dgbi_end(const dgb_backend* b) {
     if (b->end) b->end(b->user);
 }
 
+/* All but the engine's own, which are only remembered. */
 static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
     int slot;
-    for (slot = 0; slot < DGB_SLOT_COUNT; ++slot)
-        if (textures[slot].id) {
-            b->texture_destroy(b->user, textures[slot]);
-            textures[slot].id = 0;
-        }
+    for (slot = 0; slot < DGB_SLOT_COUNT; ++slot) {
+        const bool borrowed = slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1;
+        if (textures[slot].id && !borrowed) b->texture_destroy(b->user, textures[slot]);
+        textures[slot].id = 0;
+    }
 }
 
 static dgb_result dgbi_create_textures(const dgb_backend* b, const dgb_plan* plan, dgb_texture textures[DGB_SLOT_COUNT]) {

@@ -17,9 +17,10 @@ struct dgb_camera {
 vec2 dgb_sign(vec2 v) { return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0); }
 
 vec2 dgb_oct16_encode(vec3 n) {
-    float s = abs(n.x) + abs(n.y) + abs(n.z);
-    vec2  p = s > 1e-30 && s < 1e30 ? n.xy / s : vec2(0.0);
-    if (n.z < 0.0 && s < 1e30) p = (1.0 - abs(p.yx)) * dgb_sign(p);
+    float s     = abs(n.x) + abs(n.y) + abs(n.z);
+    bool  valid = s > 1e-30 && s < 1e30;
+    vec2  p     = valid ? n.xy / s : vec2(0.0);
+    if (valid && n.z < 0.0) p = (1.0 - abs(p.yx)) * dgb_sign(p);
     return (floor(p * 127.0 + 0.5) + 127.0) / 255.0;
 }
 
@@ -85,7 +86,9 @@ float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
     return sqrt(dgb_ao_term_squared(v, n, inv_r2, beta, epsilon));
 }
 
-float dgb_ambient_visibility(float sum, float pi_over_count) { return max(1.0 - sqrt(pi_over_count * sum), 0.0); }
+float dgb_ambient_visibility(float sum, float pi_over_count) {
+    return sum > 0.0 ? max(1.0 - sqrt(pi_over_count * sum), 0.0) : 1.0;
+}
 
 float dgb_gather_term(vec3 v, vec3 n_x, float r2) {
     float d2     = dot(v, v);
@@ -98,8 +101,14 @@ float dgb_gather_scale(float sum_cos, float count, float k) {
 }
 
 float dgb_boost(vec3 albedo, float unsaturated, float saturated) {
-    float high = max(albedo.r, max(albedo.g, albedo.b)), low = min(albedo.r, min(albedo.g, albedo.b));
-    return unsaturated + (saturated - unsaturated) * (high > max(low, 0.0) ? (high - max(low, 0.0)) / high : 0.0);
+    const float largest = 3.4028234e38;
+    float       high = 0.0, low = largest;
+    for (int i = 0; i < 3; ++i) { // NaN changes neither
+        high = albedo[i] > high ? albedo[i] : high;
+        low  = albedo[i] < low ? albedo[i] : low;
+    }
+    low = max(low, 0.0);
+    return unsaturated + (saturated - unsaturated) * (high > low && high <= largest ? (high - low) / high : 0.0);
 }
 
 float dgb_bilateral_weight(vec3 n, vec3 n2, vec3 dq, float normal_sharpness, float plane_sharpness) {

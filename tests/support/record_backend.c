@@ -18,19 +18,19 @@
 
 static void reserve(record_text* text, size_t more) {
     const size_t need = text->size + more + 1;
-    char*        data;
+    char* data;
     if (need <= text->capacity) return;
     text->capacity = need * 2;
-    data           = (char*)realloc(text->data, text->capacity);
+    data = (char*)realloc(text->data, text->capacity);
     if (!data) abort();
     text->data = data;
 }
 
 void record_printf(record_text* text, const char* format, ...) {
     va_list arguments;
-    int     length;
+    int length;
     va_start(arguments, format);
-    length = vsnprintf(NULL, 0, format, arguments);
+    length = vsnprintf(NULL, 0, format, arguments); /* NOLINT: va_start is just above */
     va_end(arguments);
     if (length < 0) abort();
     reserve(text, (size_t)length);
@@ -69,7 +69,7 @@ static void write_file(const char* path, const record_text* text) {
 
 static void read_file(const char* path, record_text* text) {
     FILE* file = fopen(path, "rb");
-    int   c;
+    int c;
     if (!file) fail_msg("cannot read %s: run from the top of the repository; DGB_BLESS=1 writes it", path);
     while ((c = fgetc(file)) != EOF)
         if (c != '\r') record_printf(text, "%c", c);
@@ -85,7 +85,7 @@ static const char* next_line(const char* line) {
 
 static void compare_lines(const char* path, const char* expected, const char* actual) {
     const char* heading = "";
-    int         line    = 1;
+    int line = 1;
     for (; *expected || *actual; ++line, expected = next_line(expected), actual = next_line(actual)) {
         const size_t a = line_length(expected), b = line_length(actual);
         if (actual[0] == '=') heading = actual;
@@ -96,9 +96,9 @@ static void compare_lines(const char* path, const char* expected, const char* ac
 }
 
 void record_check_golden(const char* name, const record_text* text) {
-    const char* bless    = getenv("DGB_BLESS");
+    const char* bless = getenv("DGB_BLESS");
     record_text expected = {0};
-    char        path[256];
+    char path[256];
     snprintf(path, sizeof path, "%s/backends/%s", DGB_TEST_DIR, name);
     if (bless && strcmp(bless, "1") == 0) {
         write_file(path, text);
@@ -135,7 +135,7 @@ static record_object* add_object(record_backend* r) {
     record_object* object = &r->objects[r->object_count];
     if (r->object_count == RECORD_MAX_OBJECTS) fail_msg("more than %d objects", RECORD_MAX_OBJECTS);
     memset(object, 0, sizeof *object);
-    object->id    = new_id(r);
+    object->id = new_id(r);
     object->alive = true;
     ++r->object_count;
     return object;
@@ -156,13 +156,13 @@ bool record_is_alive(const record_backend* r, dgb_texture texture) {
 
 dgb_texture record_engine_texture(record_backend* r, dgb_slot slot, int width, int height) {
     record_object* object = add_object(r);
-    dgb_texture    texture;
-    object->engine         = true;
-    object->texture.slot   = slot;
-    object->texture.width  = width;
+    dgb_texture texture;
+    object->engine = true;
+    object->texture.slot = slot;
+    object->texture.width = width;
     object->texture.height = height;
     object->texture.levels = 1;
-    texture.id             = object->id;
+    texture.id = object->id;
     return texture;
 }
 
@@ -189,14 +189,14 @@ static void on_end(void* user) {
 
 static dgb_result on_texture_create(void* user, const dgb_texture_desc* desc, dgb_texture* texture) {
     record_backend* r = self(user);
-    record_object*  object;
+    record_object* object;
     check_in_frame(r, "texture_create");
     if (create_fails(r)) return r->fail_with;
-    object          = add_object(r);
+    object = add_object(r);
     object->texture = *desc;
     if (desc->pixels) memcpy(object->first_pixels, desc->pixels, sizeof object->first_pixels);
     object->texture.pixels = NULL; /* valid during the call only */
-    texture->id            = object->id;
+    texture->id = object->id;
     record_printf(&r->trace, "create %s %s %dx%d", dgb_slot_name(desc->slot), dgb_format_name(desc->format),
                   desc->width, desc->height);
     if (desc->layers) record_printf(&r->trace, " layers %d", desc->layers);
@@ -206,7 +206,7 @@ static dgb_result on_texture_create(void* user, const dgb_texture_desc* desc, dg
 
 static void on_texture_destroy(void* user, dgb_texture texture) {
     record_backend* r = self(user);
-    record_object*  object;
+    record_object* object;
     check_in_frame(r, "texture_destroy");
     object = find_alive(r, texture.id, false, "texture_destroy");
     if (object->engine) fail_msg("the engine's own %s was destroyed", dgb_slot_name(object->texture.slot));
@@ -216,13 +216,13 @@ static void on_texture_destroy(void* user, dgb_texture texture) {
 
 static dgb_result on_program_create(void* user, const dgb_program_desc* desc, dgb_program* program) {
     record_backend* r = self(user);
-    record_object*  object;
+    record_object* object;
     check_in_frame(r, "program_create");
     if (create_fails(r)) return r->fail_with;
-    object             = add_object(r);
+    object = add_object(r);
     object->is_program = true;
-    object->program    = *desc;
-    program->id        = object->id;
+    object->program = *desc;
+    program->id = object->id;
     record_printf(&r->trace, "create ");
     record_print_program(&r->trace, desc);
     record_printf(&r->trace, "\n");
@@ -231,9 +231,9 @@ static dgb_result on_program_create(void* user, const dgb_program_desc* desc, dg
 
 static void on_program_destroy(void* user, dgb_program program) {
     record_backend* r = self(user);
-    record_object*  object;
+    record_object* object;
     check_in_frame(r, "program_destroy");
-    object        = find_alive(r, program.id, true, "program_destroy");
+    object = find_alive(r, program.id, true, "program_destroy");
     object->alive = false;
     record_printf(&r->trace, "destroy ");
     record_print_program(&r->trace, &object->program);
@@ -247,30 +247,35 @@ static void print_target(record_backend* r, const dgb_target* target) {
     const dgb_texture_desc* t = &find_alive(r, target->texture.id, false, "pass_begin")->texture;
     record_printf(&r->trace, " %s@%d", dgb_slot_name(t->slot), target->level);
     if (!t->layers) return;
-    if (target->layer < 0) record_printf(&r->trace, "/all");
-    else record_printf(&r->trace, "/%d", target->layer);
+    if (target->layer < 0)
+        record_printf(&r->trace, "/all");
+    else
+        record_printf(&r->trace, "/%d", target->layer);
 }
 
 static void check_target(record_backend* r, const dgb_target* target, const dgb_pass* pass) {
-    const dgb_texture_desc* t    = &find_alive(r, target->texture.id, false, "pass_begin")->texture;
-    const char*             name = dgb_slot_name(t->slot);
+    const dgb_texture_desc* t = &find_alive(r, target->texture.id, false, "pass_begin")->texture;
+    const char* name = dgb_slot_name(t->slot);
     if (target->level < 0 || target->level >= t->levels) fail_msg("%s has no level %d", name, target->level);
-    if (target->layer < -1 || target->layer >= (t->layers ? t->layers : 1) || (target->layer < 0 && !t->layers))
+    if (target->layer < -1 || target->layer >= (t->layers ? t->layers : 1) ||
+        (target->layer < 0 && !t->layers))
         fail_msg("%s has no layer %d", name, target->layer);
     if (pass->x < 0 || pass->y < 0 || pass->width < 1 || pass->height < 1 ||
-        pass->x + pass->width > t->width >> target->level || pass->y + pass->height > t->height >> target->level)
+        pass->x + pass->width > t->width >> target->level ||
+        pass->y + pass->height > t->height >> target->level)
         fail_msg("viewport %d %d %d %d leaves %s@%d", pass->x, pass->y, pass->width, pass->height, name,
                  target->level);
 }
 
 static void on_pass_begin(void* user, const dgb_pass* pass) {
     record_backend* r = self(user);
-    int             i;
+    int i;
     check_in_frame(r, "pass_begin");
     if (r->in_pass) fail_msg("pass %s inside of a pass", dgb_pass_name(pass->id));
-    if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS) fail_msg("%d targets", pass->color_count);
-    r->in_pass    = true;
-    r->pass       = *pass;
+    if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS)
+        fail_msg("%d targets", pass->color_count);
+    r->in_pass = true;
+    r->pass = *pass;
     r->bind_count = 0;
     record_printf(&r->trace, "pass %s ->", dgb_pass_name(pass->id));
     for (i = 0; i < pass->color_count; ++i) {
@@ -289,11 +294,12 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
     record_printf(&r->trace, "\n");
 }
 
-/* Reading what is being written is undefined. Peeling reads layer j - 1 of the depth array while it writes layer j. */
+/* Reading what is being written is undefined. Peeling reads layer j - 1 of the depth array while it writes
+   layer j. */
 static void check_no_feedback(const record_backend* r, dgb_texture texture, int level) {
-    const dgb_pass* pass  = &r->pass;
-    const bool      peels = pass->id == DGB_PASS_LAYERS && pass->depth.layer >= 0;
-    int             i;
+    const dgb_pass* pass = &r->pass;
+    const bool peels = pass->id == DGB_PASS_LAYERS && pass->depth.layer >= 0;
+    int i;
     for (i = 0; i < pass->color_count; ++i)
         if (pass->colors[i].texture.id == texture.id && (level < 0 || level == pass->colors[i].level))
             fail_msg("pass %s reads and writes target %d at level %d", dgb_pass_name(pass->id), i, level);
@@ -302,9 +308,9 @@ static void check_no_feedback(const record_backend* r, dgb_texture texture, int 
 }
 
 static void on_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int level) {
-    record_backend*         r = self(user);
+    record_backend* r = self(user);
     const dgb_texture_desc* t;
-    int                     i;
+    int i;
     if (!r->in_pass) fail_msg("texture_bind of %s outside of a pass", dgb_slot_name(slot));
     t = &find_alive(r, texture.id, false, "texture_bind")->texture;
     if (level < -1 || level >= t->levels) fail_msg("bind: %s has no level %d", dgb_slot_name(slot), level);
@@ -333,7 +339,7 @@ static size_t uniform_size(dgb_pass_id pass) {
 }
 
 static void on_uniforms_upload(void* user, const void* std140, size_t size) {
-    record_backend*  r = self(user);
+    record_backend* r = self(user);
     record_uniforms* u = &r->uniforms[r->uniform_count];
     if (!r->in_pass) fail_msg("uniforms_upload of %u bytes outside of a pass", (unsigned)size);
     if (size != uniform_size(r->pass.id) || size % 16 != 0)
@@ -346,12 +352,13 @@ static void on_uniforms_upload(void* user, const void* std140, size_t size) {
 }
 
 static void on_draw_fullscreen(void* user, dgb_program program) {
-    record_backend*      r = self(user);
+    record_backend* r = self(user);
     const record_object* object;
     if (!r->in_pass) fail_msg("draw_fullscreen of program %u outside of a pass", (unsigned)program.id);
     object = find_alive(r, program.id, true, "draw_fullscreen");
     if (object->program.pass != r->pass.id)
-        fail_msg("pass %s draws with a program of %s", dgb_pass_name(r->pass.id), dgb_pass_name(object->program.pass));
+        fail_msg("pass %s draws with a program of %s", dgb_pass_name(r->pass.id),
+                 dgb_pass_name(object->program.pass));
     record_printf(&r->trace, " draw ");
     record_print_program(&r->trace, &object->program);
     record_printf(&r->trace, "\n");
@@ -374,27 +381,27 @@ static void on_marker(void* user, dgb_pass_id pass, bool begin) {
 
 void record_start(record_backend* r) {
     dgb_backend* b = &r->backend;
-    int          i;
+    int i;
     memset(r, 0, sizeof *r);
-    r->fail_with            = DGB_OUT_OF_MEMORY;
-    b->version              = DGB_VERSION;
-    b->user                 = r;
-    b->caps.max_size        = DGB_MAX_SIZE;
-    b->caps.max_layers      = DGB_MAX_LAYERS;
+    r->fail_with = DGB_OUT_OF_MEMORY;
+    b->version = DGB_VERSION;
+    b->user = r;
+    b->caps.max_size = DGB_MAX_SIZE;
+    b->caps.max_layers = DGB_MAX_LAYERS;
     b->caps.clip_zero_to_one = true;
     for (i = 0; i < DGB_EMISSION_COUNT; ++i) b->caps.emission[i] = true;
-    b->begin           = on_begin;
-    b->end             = on_end;
-    b->texture_create  = on_texture_create;
+    b->begin = on_begin;
+    b->end = on_end;
+    b->texture_create = on_texture_create;
     b->texture_destroy = on_texture_destroy;
-    b->program_create  = on_program_create;
+    b->program_create = on_program_create;
     b->program_destroy = on_program_destroy;
-    b->pass_begin      = on_pass_begin;
-    b->texture_bind    = on_texture_bind;
+    b->pass_begin = on_pass_begin;
+    b->texture_bind = on_texture_bind;
     b->uniforms_upload = on_uniforms_upload;
     b->draw_fullscreen = on_draw_fullscreen;
-    b->pass_end        = on_pass_end;
-    b->marker          = on_marker;
+    b->pass_end = on_pass_end;
+    b->marker = on_marker;
     record_printf(&r->trace, "%s", "");
 }
 

@@ -1,6 +1,7 @@
 /* Camera: linear depth, position, footprint and widened projections, against long double arithmetic.
 
-   The oracle takes the float matrix as it is: what rounding the matrix itself does to a view is the engine's business. */
+   The oracle takes the float matrix as it is: what rounding the matrix itself does to a view is the engine's
+   business. */
 
 #include "deepgbuffer.h"
 
@@ -12,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define PI_L 3.14159265358979323846264338327950288L
@@ -29,39 +31,43 @@ static float from_bits(uint32_t u) {
     return x;
 }
 
+/* To the last bit: what == says of floats and padding is not the question. */
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
 static bool is_finite(float x) { return (bits_of(x) & 0x7f800000u) != 0x7f800000u; }
 
 static double random_in(uint64_t* state, double low, double high) { /* splitmix64 */
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z          = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z          = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
     return low + (high - low) * ((double)(z >> 11) / 9007199254740992.0);
 }
 
 /* >> projections of every kind */
 
 typedef struct lens {
-    bool     orthographic, reversed, infinite;
+    bool orthographic, reversed, infinite;
     dgb_clip clip;
-    double   near, far;      /* m */
-    double   slope, aspect;  /* half height at distance 1, or half height (m) if orthographic; width / height */
-    double   shift_x, shift_y; /* off-centre, in half widths and heights */
-    int      width, height, guard;
-    float    jitter[2];
+    double near, far;     /* m */
+    double slope, aspect; /* half height at distance 1, or half height (m) if orthographic; width / height */
+    double shift_x, shift_y; /* off-centre, in half widths and heights */
+    int width, height, guard;
+    float jitter[2];
 } lens;
 
 static const char* lens_name(const lens* e) {
     static char name[200];
-    snprintf(name, sizeof name, "%s %s %s, clip %s, near %g, far %g, slope %g, aspect %g, shift %g %g, %dx%d+%d",
+    snprintf(name, sizeof name,
+             "%s %s %s, clip %s, near %g, far %g, slope %g, aspect %g, shift %g %g, %dx%d+%d",
              e->orthographic ? "orthographic" : "perspective", e->reversed ? "reversed" : "standard",
-             e->infinite ? "infinite" : "finite", e->clip == DGB_CLIP_ZERO_TO_ONE ? "[0,1]" : "[-1,1]", e->near, e->far,
-             e->slope, e->aspect, e->shift_x, e->shift_y, e->width, e->height, e->guard);
+             e->infinite ? "infinite" : "finite", e->clip == DGB_CLIP_ZERO_TO_ONE ? "[0,1]" : "[-1,1]",
+             e->near, e->far, e->slope, e->aspect, e->shift_x, e->shift_y, e->width, e->height, e->guard);
     return name;
 }
 
 /* Rows 2 and 3 from what ndc z must be at the two planes. */
 static void fill_depth_rows(const lens* e, float p[16]) {
-    const double low     = e->clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0;
+    const double low = e->clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0;
     const double at_near = e->reversed ? 1.0 : low, at_far = e->reversed ? low : 1.0;
     if (e->orthographic) {
         p[10] = (float)((at_near - at_far) / (e->far - e->near));
@@ -87,19 +93,22 @@ static void fill_projection(const lens* e, float p[16]) {
     fill_depth_rows(e, p);
 }
 
-static const double slopes[] = {8.7266e-4 /* 0.1 degrees */, 0.0087, 0.2, 0.5774, 1.0, 5.671, 114.59 /* 179 degrees */};
+static const double slopes[] = {
+    8.7266e-4 /* 0.1 degrees */, 0.0087, 0.2, 0.5774, 1.0, 5.671, 114.59 /* 179 degrees */};
 static const double aspects[] = {1e-3, 0.5, 1.0, 16.0 / 9.0, 1e3};
 
-static const lens base = {false, false, false, DGB_CLIP_NEGATIVE_ONE_TO_ONE,
-                          0.1,   100.0, 1.0,   1.0, 0.0, 0.0, 640, 360, 0, {0.0f, 0.0f}};
+static const lens base = {
+    false, false, false,       DGB_CLIP_NEGATIVE_ONE_TO_ONE, 0.1, 100.0, 1.0, 1.0, 0.0, 0.0, 640,
+    360,   0,     {0.0f, 0.0f}};
 
 /* The n-th of all combinations; false after the last. */
 static bool nth_lens(int n, lens* e) {
     static const double planes[][2] = {{0.1, 100.0}, {0.01, 1e5}, {1.0, 2.0}, {50.0, 1e9}};
     static const double shifts[][2] = {{0.0, 0.0}, {0.31, -0.17}, {-2.5, 4.0}};
-    static const int    sizes[][3]  = {{1280, 720, 64}, {1, 1, 0}, {16000, 9, 192}, {333, 777, 0}};
-    *e              = base;
-    e->orthographic = n & 1, e->reversed = n >> 1 & 1, e->infinite = n >> 2 & 1, e->clip = (dgb_clip)(n >> 3 & 1);
+    static const int sizes[][3] = {{1280, 720, 64}, {1, 1, 0}, {16000, 9, 192}, {333, 777, 0}};
+    *e = base;
+    e->orthographic = n & 1, e->reversed = n >> 1 & 1, e->infinite = n >> 2 & 1,
+    e->clip = (dgb_clip)(n >> 3 & 1);
     n >>= 4;
     e->slope = slopes[n % 7], n /= 7;
     e->aspect = aspects[n % 5], n /= 5;
@@ -114,11 +123,12 @@ static bool exists(const lens* e) { return !(e->orthographic && e->infinite); }
 
 /* The lens as the library sees it: widened, jittered, made into a camera. */
 static void make_camera(const lens* e, float p[16], dgb_camera* camera) {
-    float      image[16];
+    float image[16];
     dgb_result result;
     fill_projection(e, image);
     dgb_widen_projection(image, e->width, e->height, e->guard, e->jitter, p);
-    result = dgb_camera_from_matrix(p, e->width + 2 * e->guard, e->height + 2 * e->guard, e->clip, e->reversed, camera);
+    result = dgb_camera_from_matrix(p, e->width + 2 * e->guard, e->height + 2 * e->guard, e->clip,
+                                    e->reversed, camera);
     if (result != DGB_OK) fail_msg("refused: %s", lens_name(e));
 }
 
@@ -136,9 +146,9 @@ static long double exact_z(const lens* e, const float p[16], long double depth) 
     return ((long double)p[14] - ndc * p[15]) / (ndc * p[11] - (long double)p[10]);
 }
 
-/* What float arithmetic may add. Perspective: rounding of depth - clear (half a float step of a number >= 1/2 where the
-   subtraction is not exact), of two coefficients and four operations, none of which cancels. Orthographic: the same, but
-   relative to the two terms of the numerator, which may cancel. */
+/* What float arithmetic may add. Perspective: rounding of depth - clear (half a float step of a number >= 1/2
+   where the subtraction is not exact), of two coefficients and four operations, none of which cancels.
+   Orthographic: the same, but relative to the two terms of the numerator, which may cancel. */
 static long double linear_z_bound(const lens* e, const float p[16], long double depth, long double z) {
     const long double a = e->clip == DGB_CLIP_ZERO_TO_ONE ? 1.0L : 2.0L;
     const long double c = a * clear_depth(e) - (e->clip == DGB_CLIP_ZERO_TO_ONE ? 0.0L : 1.0L);
@@ -149,16 +159,17 @@ static long double linear_z_bound(const lens* e, const float p[16], long double 
 /* >> linear depth */
 
 static void fail_z(const lens* e, float depth, float z, long double expected, long double bound) {
-    fail_msg("%s: depth %.9g gives z %.9g, not %.9Lg within %.3Lg", lens_name(e), (double)depth, (double)z, expected,
-             bound);
+    fail_msg("%s: depth %.9g gives z %.9g, not %.9Lg within %.3Lg", lens_name(e), (double)depth, (double)z,
+             expected, bound);
 }
 
-/* Both ways to be right: the inverse of that very depth, and the z that went in, give or take one step of the depth. */
+/* Both ways to be right: the inverse of that very depth, and the z that went in, give or take one step of the
+   depth. */
 static void check_linear_z(const lens* e, const float p[16], const dgb_camera* camera, long double z) {
-    const float       depth = (float)exact_depth(e, p, z);
-    const float       back  = dgb_linear_z(depth, camera);
-    long double       exact, bound, step;
-    float             next;
+    const float depth = (float)exact_depth(e, p, z);
+    const float back = dgb_linear_z(depth, camera);
+    long double exact, bound, step;
+    float next;
     if (depth < 0.0f || depth > 1.0f) return; /* the float matrix has its planes elsewhere, by a rounding */
     if (depth == (float)clear_depth(e)) {
         if (back != 0.0f) fail_z(e, depth, back, 0.0L, 0.0L);
@@ -175,28 +186,29 @@ static void check_linear_z(const lens* e, const float p[16], const dgb_camera* c
 
 static void test_linear_z(void** state) {
     uint64_t seed = 11;
-    lens     e;
-    int      n, i;
+    lens e;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         dgb_camera camera;
-        float      p[16];
+        float p[16];
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 40; ++i) {
             const double far = e.infinite ? e.near * 1e6 : e.far;
-            check_linear_z(&e, p, &camera, -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.001, 0.999))));
+            check_linear_z(&e, p, &camera,
+                           -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.001, 0.999))));
         }
     }
 }
 
 static void test_linear_z_of_the_far_plane(void** state) {
     lens e;
-    int  n;
+    int n;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         dgb_camera camera;
-        float      p[16], z;
+        float p[16], z;
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         z = dgb_linear_z(e.reversed ? 0.0f : 1.0f, &camera);
@@ -204,24 +216,26 @@ static void test_linear_z_of_the_far_plane(void** state) {
         z = dgb_linear_z(from_bits(0x7fc00000u), &camera);
         if (!is_finite(z) || z != 0.0f) fail_msg("%s: NaN gives %g", lens_name(&e), (double)z);
         z = dgb_linear_z(from_bits(0x7f800000u), &camera);
-        if (!is_finite(z) || (!e.orthographic && z > 0.0f)) fail_msg("%s: infinity: %g", lens_name(&e), (double)z);
+        if (!is_finite(z) || (!e.orthographic && z > 0.0f))
+            fail_msg("%s: infinity: %g", lens_name(&e), (double)z);
         z = dgb_linear_z(from_bits(0xff800000u), &camera);
-        if (!is_finite(z) || (!e.orthographic && z > 0.0f)) fail_msg("%s: -infinity: %g", lens_name(&e), (double)z);
+        if (!is_finite(z) || (!e.orthographic && z > 0.0f))
+            fail_msg("%s: -infinity: %g", lens_name(&e), (double)z);
     }
 }
 
 /* The near plane is no special place, and one step before the far plane there is still a surface. */
 static void test_linear_z_at_the_ends(void** state) {
     lens e = base;
-    int  n;
+    int n;
     (void)state;
     for (n = 0; n < 8; ++n) {
         dgb_camera camera;
-        float      p[16], near_z, far_z;
+        float p[16], near_z, far_z;
         e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.clip = (dgb_clip)(n >> 2 & 1);
         make_camera(&e, p, &camera);
         near_z = dgb_linear_z(e.reversed ? 1.0f : 0.0f, &camera);
-        far_z  = dgb_linear_z(e.reversed ? 1e-7f : from_bits(bits_of(1.0f) - 1), &camera);
+        far_z = dgb_linear_z(e.reversed ? 1e-7f : from_bits(bits_of(1.0f) - 1), &camera);
         if (fabsf(near_z + 0.1f) > 1e-5f) fail_msg("%s: near plane at %.9g", lens_name(&e), (double)near_z);
         if (fabsf(far_z + 100.0f) > 0.02f) fail_msg("%s: far plane at %.9g", lens_name(&e), (double)far_z);
     }
@@ -229,13 +243,13 @@ static void test_linear_z_at_the_ends(void** state) {
 
 /* What lies beyond 1e15 m is sky, not a number that squares to infinity. */
 static void test_linear_z_beyond_all_distance(void** state) {
-    lens       e = base;
+    lens e = base;
     dgb_camera camera;
-    float      p[16];
+    float p[16];
     (void)state;
     e.reversed = e.infinite = true;
-    e.clip                  = DGB_CLIP_ZERO_TO_ONE;
-    e.near                  = 1.0;
+    e.clip = DGB_CLIP_ZERO_TO_ONE;
+    e.near = 1.0;
     make_camera(&e, p, &camera);
     assert_true(dgb_linear_z(1e-14f, &camera) < -0.9e14f);
     assert_true(dgb_linear_z(0.9e-15f, &camera) == 0.0f);
@@ -245,54 +259,123 @@ static void test_linear_z_beyond_all_distance(void** state) {
 
 static void check_monotone(const lens* e, const dgb_camera* camera, float start) {
     const float sign = e->reversed ? -1.0f : 1.0f; /* of d depth / d distance */
-    float       last = 0.0f;
-    int         i;
+    float last = 0.0f;
+    int i;
     for (i = 0; i < 100; ++i) {
         const float depth = from_bits(bits_of(start) + (uint32_t)i);
-        const float z     = dgb_linear_z(depth, camera);
+        const float z = dgb_linear_z(depth, camera);
         if (depth >= 1.0f) return;
         if (i && (z - last) * sign > 0.0f)
-            fail_msg("%s: z grows from %.9g to %.9g at depth %.9g", lens_name(e), (double)last, (double)z, (double)depth);
+            fail_msg("%s: z grows from %.9g to %.9g at depth %.9g", lens_name(e), (double)last, (double)z,
+                     (double)depth);
         last = z;
     }
 }
 
 static void test_linear_z_is_monotone(void** state) {
     uint64_t seed = 12;
-    lens     e;
-    int      n, i;
+    lens e;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); n += 3) {
         dgb_camera camera;
-        float      p[16];
+        float p[16];
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 4; ++i) check_monotone(&e, &camera, (float)random_in(&seed, 1e-6, 1.0));
     }
 }
 
+/* >> depth codes */
+
+#ifdef __FAST_MATH__
+#define CODE_SLACK 1 /* division by a reciprocal may be off by one of the 24-bit codes */
+#else
+#define CODE_SLACK 0
+#endif
+
+/* What a fixed-point buffer returns is what comes out again, so equal codes are equal numbers. */
+static void check_code_is_fixed(long code, long codes) {
+    const float stored = (float)((double)code / (double)codes), again = dgb_depth_code(stored, (float)codes);
+    if (CODE_SLACK == 0 && bits_of(again) != bits_of(stored))
+        fail_msg("code %ld of %ld, %.9g, became %.9g", code, codes, (double)stored, (double)again);
+    if (labs(lround((double)again * (double)codes) - code) > CODE_SLACK)
+        fail_msg("code %ld of %ld is another", code, codes);
+}
+
+static void test_depth_codes_are_fixed(void** state) {
+    long code;
+    (void)state;
+    for (code = 0; code <= 65535; ++code) check_code_is_fixed(code, 65535);
+    for (code = 0; code <= 16777215; code += 11) check_code_is_fixed(code, 16777215);
+    for (code = 16777215 - 1000; code <= 16777215; ++code) check_code_is_fixed(code, 16777215);
+}
+
+static void test_depth_code_rounds(void** state) {
+    static const long codes[] = {65535, 16777215};
+    uint64_t seed = 17;
+    int i, k;
+    (void)state;
+    for (k = 0; k < 2; ++k)
+        for (i = 0; i < 100000; ++i) {
+            const float depth = (float)random_in(&seed, 0.0, 1.0),
+                        code = dgb_depth_code(depth, (float)codes[k]);
+            const long double exact = (long double)code * codes[k], wanted = (long double)depth * codes[k];
+            /* a code, and no farther than half a one; 2 U: the rounding of the product and of the quotient */
+            if (!is_finite(code) || fabsl(exact - roundl(exact)) > 1.01L * U * codes[k] ||
+                fabsl(exact - wanted) > 0.5L + 2.0L * U * codes[k] + CODE_SLACK)
+                fail_msg("depth %.9g in %ld codes is %.9g", (double)depth, codes[k], (double)code);
+        }
+}
+
+static void test_depth_code_leaves_the_rest(void** state) {
+    static const uint32_t outside[] = {
+        0xb5000000u /* just below 0 */, 0x3f800001u, 0xbf800000u, 0x40000000u, 0x7f800000u, 0xff800000u};
+    static const float no_codes[] = {0.0f, -1.0f};
+    size_t i, k;
+    (void)state;
+    for (i = 0; i < sizeof outside / sizeof outside[0]; ++i)
+        if (outside[i] != 0x3f800001u &&
+            bits_of(dgb_depth_code(from_bits(outside[i]), 65535.0f)) != outside[i])
+            fail_msg("%08x changed", outside[i]);
+    for (k = 0; k < 2; ++k)
+        for (i = 0; i < sizeof outside / sizeof outside[0]; ++i)
+            if (bits_of(dgb_depth_code(from_bits(outside[i]), no_codes[k])) != outside[i])
+                fail_msg("%08x changed", outside[i]);
+    assert_false(is_finite(dgb_depth_code(from_bits(0x7fc00000u), 65535.0f)));
+    assert_true(dgb_depth_code(0.3f, 0.0f) == 0.3f);
+    assert_true(dgb_depth_code(0.0f, 65535.0f) == 0.0f);
+    assert_true(dgb_depth_code(1.0f, 65535.0f) == 1.0f);
+    assert_true(dgb_depth_code(1.0f, 16777215.0f) == 1.0f);
+}
+
 /* >> position */
 
 /* The camera-space coordinate that lands on `pixel` at z, and the sizes of the terms it is the sum of. */
-static long double unproject(const float p[16], int axis, int size, long double pixel, long double z, long double* terms) {
-    const long double ndc = 2.0L * pixel / size - 1.0L, w = (long double)p[11] * z + p[15], scale = p[axis * 5];
+static long double unproject(const float p[16], int axis, int size, long double pixel, long double z,
+                             long double* terms) {
+    const long double ndc = 2.0L * pixel / size - 1.0L, w = (long double)p[11] * z + p[15],
+                      scale = p[axis * 5];
     *terms = ((2.0L * fabsl(pixel) / size + 1.0L) * fabsl(w) + fabsl((long double)p[8 + axis] * z) +
-              fabsl((long double)p[12 + axis])) / fabsl(scale);
+              fabsl((long double)p[12 + axis])) /
+             fabsl(scale);
     return (ndc * w - (long double)p[8 + axis] * z - p[12 + axis]) / scale;
 }
 
-static void check_position(const lens* e, const float p[16], const dgb_camera* camera, const long double ndc[2], long double z) {
-    const int   size[2] = {e->width + 2 * e->guard, e->height + 2 * e->guard};
+static void check_position(const lens* e, const float p[16], const dgb_camera* camera,
+                           const long double ndc[2], long double z) {
+    const int size[2] = {e->width + 2 * e->guard, e->height + 2 * e->guard};
     const float z_float = (float)z;
-    float       pixel[2], point[3];
-    int         axis;
+    float pixel[2], point[3];
+    int axis;
     for (axis = 0; axis < 2; ++axis) pixel[axis] = (float)((0.5L * ndc[axis] + 0.5L) * size[axis]);
     dgb_position(pixel[0], pixel[1], z_float, camera, point);
     if (bits_of(point[2]) != bits_of(z_float)) fail_msg("%s: z changed", lens_name(e));
     for (axis = 0; axis < 2; ++axis) {
-        long double       terms, ignored;
+        long double terms, ignored;
         const long double same = unproject(p, axis, size[axis], pixel[axis], z_float, &terms);
-        const long double true_point = unproject(p, axis, size[axis], (0.5L * ndc[axis] + 0.5L) * size[axis], z, &ignored);
+        const long double true_point =
+            unproject(p, axis, size[axis], (0.5L * ndc[axis] + 0.5L) * size[axis], z, &ignored);
         /* rounding of four coefficients and six operations */
         const long double bound = 6.0L * U * terms;
         if (!is_finite(point[axis]) || fabsl(point[axis] - same) > bound)
@@ -300,25 +383,26 @@ static void check_position(const lens* e, const float p[16], const dgb_camera* c
                      (double)pixel[axis], (double)z_float, (double)point[axis], same, bound);
         /* and of the pixel and of z on the way in: each moves the point by at most U of the same terms */
         if (fabsl(point[axis] - true_point) > bound + 4.0L * U * terms)
-            fail_msg("%s: axis %d at z %.9g went round to %.9g from %.9Lg", lens_name(e), axis, (double)z_float,
-                     (double)point[axis], true_point);
+            fail_msg("%s: axis %d at z %.9g went round to %.9g from %.9Lg", lens_name(e), axis,
+                     (double)z_float, (double)point[axis], true_point);
     }
 }
 
 static void test_position(void** state) {
     uint64_t seed = 13;
-    lens     e;
-    int      n, i;
+    lens e;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         dgb_camera camera;
-        float      p[16];
+        float p[16];
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 30; ++i) {
             const long double ndc[2] = {random_in(&seed, -1.0, 1.0), random_in(&seed, -1.0, 1.0)};
-            const double      far    = e.infinite ? e.near * 1e6 : e.far;
-            check_position(&e, p, &camera, ndc, -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.0, 1.0))));
+            const double far = e.infinite ? e.near * 1e6 : e.far;
+            check_position(&e, p, &camera, ndc,
+                           -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.0, 1.0))));
         }
     }
 }
@@ -326,29 +410,29 @@ static void test_position(void** state) {
 /* Point -> pixel and depth -> point: what the shaders do, end to end. */
 static void test_project_and_reconstruct(void** state) {
     uint64_t seed = 14;
-    lens     e;
-    int      n, i;
+    lens e;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         dgb_camera camera;
-        float      p[16];
+        float p[16];
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 10; ++i) {
-            const int         width = e.width + 2 * e.guard;
-            const double      far   = e.infinite ? e.near * 1e3 : e.far;
-            const long double z     = -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.01, 0.5)));
+            const int width = e.width + 2 * e.guard;
+            const double far = e.infinite ? e.near * 1e3 : e.far;
+            const long double z = -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.01, 0.5)));
             const long double pixel = random_in(&seed, 0.0, width);
-            const float       depth = (float)exact_depth(&e, p, z);
-            const float       back  = dgb_linear_z(depth, &camera);
-            float             point[3];
-            long double       terms, x;
+            const float depth = (float)exact_depth(&e, p, z);
+            const float back = dgb_linear_z(depth, &camera);
+            float point[3];
+            long double terms, x;
             if (back == 0.0f) continue; /* the depth rounded to the far plane */
             x = unproject(p, 0, width, pixel, z, &terms);
             dgb_position((float)pixel, 0.5f, back, &camera, point);
             if (fabsl(point[0] - x) > terms * (10.0L * U + 1.01L * fabsl((back - z) / z)))
-                fail_msg("%s: x %.9Lg at z %.9Lg came back as %.9g at %.9g", lens_name(&e), x, z, (double)point[0],
-                         (double)back);
+                fail_msg("%s: x %.9Lg at z %.9Lg came back as %.9g at %.9g", lens_name(&e), x, z,
+                         (double)point[0], (double)back);
         }
     }
 }
@@ -357,30 +441,33 @@ static void test_project_and_reconstruct(void** state) {
 
 static void test_pixels_per_metre(void** state) {
     uint64_t seed = 15;
-    lens     e;
-    int      n, i;
+    lens e;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         dgb_camera camera;
-        float      p[16];
+        float p[16];
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 5; ++i) {
-            const float       z = (float)-random_in(&seed, e.near, e.far), pixels = dgb_pixels_per_metre(z, &camera);
+            const float z = (float)-random_in(&seed, e.near, e.far),
+                        pixels = dgb_pixels_per_metre(z, &camera);
             const long double w = (long double)p[11] * z + p[15];
-            const long double expected = 0.5L * (e.height + 2 * e.guard) * p[5] / w; /* pixels between y and y + 1 */
+            const long double expected =
+                0.5L * (e.height + 2 * e.guard) * p[5] / w; /* pixels between y and y + 1 */
             if (!is_finite(pixels) || fabsl(pixels - expected) > 4.0L * U * expected)
-                fail_msg("%s: %.9g pixels a metre at %.9g, not %.9Lg", lens_name(&e), (double)pixels, (double)z, expected);
+                fail_msg("%s: %.9g pixels a metre at %.9g, not %.9Lg", lens_name(&e), (double)pixels,
+                         (double)z, expected);
         }
     }
 }
 
 static void test_pixels_per_metre_not_in_front(void** state) {
     static const uint32_t behind[] = {0u, 0x80000000u, 0x3f800000u, 0x7f800000u, 0xff800000u, 0x7fc00000u};
-    dgb_camera            camera;
-    float                 p[16];
-    lens                  e = base;
-    size_t                i;
+    dgb_camera camera;
+    float p[16];
+    lens e = base;
+    size_t i;
     (void)state;
     make_camera(&e, p, &camera);
     for (i = 0; i < sizeof behind / sizeof behind[0]; ++i) {
@@ -389,14 +476,15 @@ static void test_pixels_per_metre_not_in_front(void** state) {
     }
     e.orthographic = true;
     make_camera(&e, p, &camera);
-    assert_true(fabsf(dgb_pixels_per_metre(3.0f, &camera) - 180.0f) < 1e-4f); /* an orthographic eye is nowhere */
+    assert_true(fabsf(dgb_pixels_per_metre(3.0f, &camera) - 180.0f) <
+                1e-4f); /* an orthographic eye is nowhere */
 }
 
 /* >> widening */
 
 static void test_widening_against_the_formula(void** state) {
     lens e;
-    int  n, i;
+    int n, i;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         float p[16], widened[16];
@@ -404,12 +492,13 @@ static void test_widening_against_the_formula(void** state) {
         fill_projection(&e, p);
         dgb_widen_projection(p, e.width, e.height, e.guard, e.jitter, widened);
         for (i = 0; i < 16; ++i) {
-            const int         row   = i % 4, size = row == 0 ? e.width : e.height;
+            const int row = i % 4, size = row == 0 ? e.width : e.height;
             const long double total = size + 2.0L * e.guard;
             const long double scaled = (long double)p[i] * size / total;
             const long double jitter = row < 2 ? 2.0L * e.jitter[row] / total * p[i - row + 3] : 0.0L;
-            const long double exact  = row < 2 ? scaled + jitter : p[i];
-            if (fabsl(widened[i] - exact) > 1.01L * U * fabsl(exact) + 1e-15L * (fabsl(scaled) + fabsl(jitter)))
+            const long double exact = row < 2 ? scaled + jitter : p[i];
+            if (fabsl(widened[i] - exact) >
+                1.01L * U * fabsl(exact) + 1e-15L * (fabsl(scaled) + fabsl(jitter)))
                 fail_msg("%s: element %d is %.9g, not %.9Lg", lens_name(&e), i, (double)widened[i], exact);
             if (row > 1 && bits_of(widened[i]) != bits_of(p[i])) fail_msg("%s: element %d", lens_name(&e), i);
         }
@@ -424,8 +513,8 @@ static long double pixel_of(const float p[16], int axis, int size, long double x
 /* What widening is for: a pixel of the image lies `guard` pixels farther in, plus the jitter. */
 static void test_widening_moves_pixels(void** state) {
     uint64_t seed = 16;
-    lens     e;
-    int      n, axis;
+    lens e;
+    int n, axis;
     (void)state;
     for (n = 0; nth_lens(n, &e); ++n) {
         float p[16], widened[16];
@@ -433,11 +522,13 @@ static void test_widening_moves_pixels(void** state) {
         fill_projection(&e, p);
         dgb_widen_projection(p, e.width, e.height, e.guard, e.jitter, widened);
         for (axis = 0; axis < 2; ++axis) {
-            const int         size  = axis ? e.height : e.width;
-            const long double z     = -random_in(&seed, e.near, e.far), pixel = random_in(&seed, 0.0, size);
-            const long double w     = (long double)p[11] * z + p[15];
-            const long double x     = ((2.0L * pixel / size - 1.0L) * w - (long double)p[8 + axis] * z - p[12 + axis]) / p[axis * 5];
-            const long double wide  = pixel_of(widened, axis, size + 2 * e.guard, x, z);
+            const int size = axis ? e.height : e.width;
+            const long double z = -random_in(&seed, e.near, e.far), pixel = random_in(&seed, 0.0, size);
+            const long double w = (long double)p[11] * z + p[15];
+            const long double x =
+                ((2.0L * pixel / size - 1.0L) * w - (long double)p[8 + axis] * z - p[12 + axis]) /
+                p[axis * 5];
+            const long double wide = pixel_of(widened, axis, size + 2 * e.guard, x, z);
             const long double moved = pixel + e.guard + e.jitter[axis];
             if (fabsl(wide - moved) > 40.0L * U * (size + 2 * e.guard))
                 fail_msg("%s: pixel %.6Lf moved to %.6Lf, not %.6Lf", lens_name(&e), pixel, wide, moved);
@@ -447,8 +538,8 @@ static void test_widening_moves_pixels(void** state) {
 
 static void test_widening_by_nothing_changes_nothing(void** state) {
     static const float none[2] = {0.0f, 0.0f};
-    lens               e       = base;
-    float              p[16], widened[16];
+    lens e = base;
+    float p[16], widened[16];
     (void)state;
     e.shift_x = 0.3;
     fill_projection(&e, p);
@@ -464,10 +555,10 @@ static void test_widening_by_nothing_changes_nothing(void** state) {
 static void check_refused(const float p[16], int width, int height, const lens* e, const char* why) {
     dgb_camera camera, before;
     memset(&camera, 0x5a, sizeof camera);
-    before = camera;
+    memcpy(&before, &camera, sizeof camera);
     if (dgb_camera_from_matrix(p, width, height, e->clip, e->reversed, &camera) != DGB_INVALID)
         fail_msg("%s: accepted with %s", lens_name(e), why);
-    if (memcmp(&camera, &before, sizeof camera) != 0) fail_msg("%s: %s changed the camera", lens_name(e), why);
+    if (!same_bits(&camera, &before, sizeof camera)) fail_msg("%s: %s changed the camera", lens_name(e), why);
 }
 
 static void check_refused_element(const lens* e, int element, float value, const char* why) {
@@ -479,12 +570,13 @@ static void check_refused_element(const lens* e, int element, float value, const
 
 static void check_refusals(const lens* e) {
     static const uint32_t not_finite[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0xffc00001u};
-    static const int      skew[]       = {1, 4}, oblique[] = {2, 6}, tilted[] = {3, 7};
-    const float           sign = e->reversed ? 1.0f : -1.0f;
-    size_t                i;
-    int                   element;
+    static const int skew[] = {1, 4}, oblique[] = {2, 6}, tilted[] = {3, 7};
+    const float sign = e->reversed ? 1.0f : -1.0f;
+    size_t i;
+    int element;
     for (element = 0; element < 16; ++element)
-        for (i = 0; i < 4; ++i) check_refused_element(e, element, from_bits(not_finite[i]), "a value not finite");
+        for (i = 0; i < 4; ++i)
+            check_refused_element(e, element, from_bits(not_finite[i]), "a value not finite");
     for (i = 0; i < 2; ++i) {
         check_refused_element(e, skew[i], 0.01f, "skew");
         check_refused_element(e, oblique[i], -0.01f, "an oblique near plane");
@@ -506,16 +598,18 @@ static void test_refusals(void** state) {
     for (n = 0; n < 16; ++n) {
         lens e = base, other;
         float p[16];
-        e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.infinite = n >> 2 & 1, e.clip = (dgb_clip)(n >> 3 & 1);
+        e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.infinite = n >> 2 & 1,
+        e.clip = (dgb_clip)(n >> 3 & 1);
         if (!exists(&e)) continue;
         check_refusals(&e);
         fill_projection(&e, p);
-        other          = e;
+        other = e;
         other.reversed = !e.reversed;
         check_refused(p, 640, 360, &other, "the direction of the other");
         check_refused(p, 0, 360, &e, "width 0");
         check_refused(p, 640, 0, &e, "height 0");
-        check_refused(p, -640, -360, &e, "negative size");
+        check_refused(p, -640, 360, &e, "negative width");
+        check_refused(p, 640, -360, &e, "negative height");
     }
 }
 
@@ -530,14 +624,14 @@ static void test_refuses_what_cannot_be_inverted(void** state) {
 /* A projection may carry any positive factor: clip space does not care, so neither may the camera. */
 static void test_scaled_matrices(void** state) {
     static const float factors[] = {0.25f, 3.0f, 1000.0f};
-    size_t             i;
-    int                n, k;
+    size_t i;
+    int n, k;
     (void)state;
     for (n = 0; n < 8; ++n)
         for (i = 0; i < sizeof factors / sizeof factors[0]; ++i) {
             dgb_camera camera, scaled;
-            lens       e = base;
-            float      p[16], a[3], b[3], z;
+            lens e = base;
+            float p[16], a[3], b[3], z;
             e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.clip = (dgb_clip)(n >> 2 & 1);
             e.shift_x = 0.2;
             make_camera(&e, p, &camera);
@@ -547,8 +641,8 @@ static void test_scaled_matrices(void** state) {
             dgb_position(100.0f, 200.0f, z, &camera, a);
             dgb_position(100.0f, 200.0f, dgb_linear_z(0.5f, &scaled), &scaled, b);
             if (fabsf(a[0] - b[0]) > 1e-4f * fabsf(a[0]) || fabsf(a[2] - b[2]) > 1e-5f * fabsf(a[2]))
-                fail_msg("%s times %g: x %.9g and %.9g, z %.9g and %.9g", lens_name(&e), (double)factors[i], (double)a[0],
-                         (double)b[0], (double)a[2], (double)b[2]);
+                fail_msg("%s times %g: x %.9g and %.9g, z %.9g and %.9g", lens_name(&e), (double)factors[i],
+                         (double)a[0], (double)b[0], (double)a[2], (double)b[2]);
             if (fabsf(dgb_pixels_per_metre(z, &camera) / dgb_pixels_per_metre(z, &scaled) - 1.0f) > 1e-5f)
                 fail_msg("%s times %g: footprint", lens_name(&e), (double)factors[i]);
         }
@@ -561,6 +655,9 @@ int main(void) {
         cmocka_unit_test(test_linear_z_at_the_ends),
         cmocka_unit_test(test_linear_z_beyond_all_distance),
         cmocka_unit_test(test_linear_z_is_monotone),
+        cmocka_unit_test(test_depth_codes_are_fixed),
+        cmocka_unit_test(test_depth_code_rounds),
+        cmocka_unit_test(test_depth_code_leaves_the_rest),
         cmocka_unit_test(test_position),
         cmocka_unit_test(test_project_and_reconstruct),
         cmocka_unit_test(test_pixels_per_metre),

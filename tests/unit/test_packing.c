@@ -36,6 +36,9 @@ static float from_bits(uint32_t u) {
     return x;
 }
 
+/* To the last bit: what == says of floats and padding is not the question. */
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
 static bool is_finite_bits(uint32_t u) { return (u & 0x7f800000u) != 0x7f800000u; }
 
 static bool is_nan_bits(uint32_t u) { return (u & 0x7fffffffu) > 0x7f800000u; }
@@ -44,12 +47,14 @@ static bool is_denormal_bits(uint32_t u) { return (u & 0x7f800000u) == 0 && (u &
 
 static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z          = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z          = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
     return (uint32_t)(z >> 32);
 }
 
-static float random_signed(uint64_t* state) { return (float)((double)random_bits(state) / 2147483648.0 - 1.0); }
+static float random_signed(uint64_t* state) {
+    return (float)((double)random_bits(state) / 2147483648.0 - 1.0);
+}
 
 /* >> Oct16 */
 
@@ -71,24 +76,26 @@ static long double round_trip_degrees(const float n[3]) {
 static long double check_round_trip(const float n[3]) {
     const long double error = round_trip_degrees(n);
     if (error > 0.957L + 1e-5L)
-        fail_msg("(%.9g, %.9g, %.9g) is off by %.6Lf degrees", (double)n[0], (double)n[1], (double)n[2], error);
+        fail_msg("(%.9g, %.9g, %.9g) is off by %.6Lf degrees", (double)n[0], (double)n[1], (double)n[2],
+                 error);
     return error;
 }
 
 static void test_oct16_decode_every_code(void** state) {
     const long double bound = FAST_MATH ? 6e-7L : 2.4e-7L;
-    int               code;
+    int code;
     (void)state;
     for (code = 0; code < 65536; ++code) {
-        const int   low = code & 255, high = code >> 8;
-        const int   same = (low == 255 ? 254 : low) | (high == 255 ? 254 : high) << 8;
-        float       n[3], m[3];
+        const int low = code & 255, high = code >> 8;
+        const int same = (low == 255 ? 254 : low) | (high == 255 ? 254 : high) << 8;
+        float n[3], m[3];
         long double length;
         dgb_oct16_decode((uint16_t)code, n);
         dgb_oct16_decode((uint16_t)same, m);
         length = sqrtl((long double)n[0] * n[0] + (long double)n[1] * n[1] + (long double)n[2] * n[2]);
         if (fabsl(length - 1.0L) > bound) fail_msg("code %04x: length %.10Lf", (unsigned)code, length);
-        if (memcmp(n, m, sizeof n) != 0) fail_msg("code %04x differs from %04x", (unsigned)code, (unsigned)same);
+        if (!same_bits(n, m, sizeof n))
+            fail_msg("code %04x differs from %04x", (unsigned)code, (unsigned)same);
     }
 }
 
@@ -97,15 +104,16 @@ static void test_oct16_codes_are_stable(void** state) {
     int code, changed = 0;
     (void)state;
     for (code = 0; code < 65536; ++code) {
-        const int  x = code & 255, y = code >> 8;
+        const int x = code & 255, y = code >> 8;
         const bool border = x == 0 || x == 254 || y == 0 || y == 254;
-        float      n[3], m[3];
-        int        again;
+        float n[3], m[3];
+        int again;
         if (x == 255 || y == 255) continue;
         dgb_oct16_decode((uint16_t)code, n);
         again = dgb_oct16_encode(n);
         dgb_oct16_decode((uint16_t)again, m);
-        if (again != code && !border) fail_msg("code %04x came back as %04x", (unsigned)code, (unsigned)again);
+        if (again != code && !border)
+            fail_msg("code %04x came back as %04x", (unsigned)code, (unsigned)again);
         changed += again != code;
         if (fabsf(n[0] - m[0]) > 1e-6f || fabsf(n[1] - m[1]) > 1e-6f || fabsf(n[2] - m[2]) > 1e-6f)
             fail_msg("code %04x changed its direction to %04x", (unsigned)code, (unsigned)again);
@@ -115,20 +123,20 @@ static void test_oct16_codes_are_stable(void** state) {
 
 static void test_oct16_axes_are_exact(void** state) {
     static const float scales[] = {1.0f, 1e-18f, 3e-7f, 0.3f, 7.0f, 1e18f};
-    int                axis, side, component;
-    size_t             i;
+    int axis, side, component;
+    size_t i;
     (void)state;
     for (axis = 0; axis < 3; ++axis)
         for (side = -1; side <= 1; side += 2)
             for (i = 0; i < sizeof scales / sizeof scales[0]; ++i) {
                 float n[3] = {0.0f, 0.0f, 0.0f}, d[3];
-                n[axis]    = (float)side * scales[i];
+                n[axis] = (float)side * scales[i];
                 dgb_oct16_decode(dgb_oct16_encode(n), d);
                 for (component = 0; component < 3; ++component) {
                     const float expected = component == axis ? (float)side : 0.0f;
                     if (fabsf(d[component] - expected) > (FAST_MATH ? 2e-7f : 0.0f))
-                        fail_msg("axis %d, side %d, scale %g: component %d is %.9g", axis, side, (double)scales[i],
-                                 component, (double)d[component]);
+                        fail_msg("axis %d, side %d, scale %g: component %d is %.9g", axis, side,
+                                 (double)scales[i], component, (double)d[component]);
                 }
             }
 }
@@ -144,38 +152,40 @@ static void test_oct16_edges_and_octants(void** state) {
             }
 }
 
-/* Where the octahedron is stretched most: the middles of its faces, seen from above (1/3) and folded over (2/3). */
+/* Where the octahedron is stretched most: the middles of its faces, seen from above (1/3) and folded over
+   (2/3). */
 static long double search_worst_cells(void) {
     long double worst = 0.0L;
-    int         cell, i, j;
+    int cell, i, j;
     for (cell = 0; cell < 8; ++cell) {
         const float centre = cell & 4 ? 2.0f / 3.0f : 1.0f / 3.0f;
         for (i = -100; i <= 100; ++i)
             for (j = -100; j <= 100; ++j) {
-                const float       x = (cell & 1 ? -1.0f : 1.0f) * (centre + (float)i / 6000.0f);
-                const float       y = (cell & 2 ? -1.0f : 1.0f) * (centre + (float)j / 6000.0f);
-                const float       z = 1.0f - fabsf(x) - fabsf(y);
-                const float       n[3] = {z < 0.0f ? copysignf(1.0f - fabsf(y), x) : x,
-                                          z < 0.0f ? copysignf(1.0f - fabsf(x), y) : y, z};
+                const float x = (cell & 1 ? -1.0f : 1.0f) * (centre + (float)i / 6000.0f);
+                const float y = (cell & 2 ? -1.0f : 1.0f) * (centre + (float)j / 6000.0f);
+                const float z = 1.0f - fabsf(x) - fabsf(y);
+                const float n[3] = {z < 0.0f ? copysignf(1.0f - fabsf(y), x) : x,
+                                    z < 0.0f ? copysignf(1.0f - fabsf(x), y) : y, z};
                 const long double error = check_round_trip(n);
-                worst                   = error > worst ? error : worst;
+                worst = error > worst ? error : worst;
             }
     }
     return worst;
 }
 
 static void test_oct16_error(void** state) {
-    uint64_t    seed = 1;
-    long double sum  = 0.0L;
-    const int   count = 400000;
-    int         i;
+    uint64_t seed = 1;
+    long double sum = 0.0L;
+    const int count = 400000;
+    int i;
     (void)state;
     assert_true(search_worst_cells() > 0.93L); /* the search looks where the errors are */
     for (i = 0; i < count; ++i) {
         float n[3];
         do {
             n[0] = random_signed(&seed), n[1] = random_signed(&seed), n[2] = random_signed(&seed);
-        } while (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 1.0f || n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 1e-4f);
+        } while (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 1.0f ||
+                 n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 1e-4f);
         sum += check_round_trip(n);
     }
     if (fabsl(sum / count - 0.3369L) > 0.002L) fail_msg("mean error %.5Lf degrees", sum / count);
@@ -184,27 +194,27 @@ static void test_oct16_error(void** state) {
 /* Independent of the decoder: each byte is the octahedral coordinate times 127, rounded to nearest. */
 static void test_oct16_rounds_to_nearest(void** state) {
     uint64_t seed = 2;
-    int      i, axis;
+    int i, axis;
     (void)state;
     for (i = 0; i < 200000; ++i) {
-        const float       n[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
+        const float n[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
         const long double s = fabsl((long double)n[0]) + fabsl((long double)n[1]) + fabsl((long double)n[2]);
-        const long double p[2]   = {n[0] / s, n[1] / s};
-        const int         code   = dgb_oct16_encode(n);
-        const int         q[2]   = {(code & 255) - 127, (code >> 8) - 127};
+        const long double p[2] = {n[0] / s, n[1] / s};
+        const int code = dgb_oct16_encode(n);
+        const int q[2] = {(code & 255) - 127, (code >> 8) - 127};
         for (axis = 0; axis < 2; ++axis) {
             const long double folded = (1.0L - fabsl(p[1 - axis])) * (p[axis] < 0.0L ? -1.0L : 1.0L);
-            const long double exact  = 127.0L * (n[2] < 0.0f ? folded : p[axis]);
+            const long double exact = 127.0L * (n[2] < 0.0f ? folded : p[axis]);
             if (fabsl(exact - q[axis]) > 0.5L + 1e-4L)
-                fail_msg("(%.9g, %.9g, %.9g): %d for %.6Lf", (double)n[0], (double)n[1], (double)n[2], q[axis],
-                         exact);
+                fail_msg("(%.9g, %.9g, %.9g): %d for %.6Lf", (double)n[0], (double)n[1], (double)n[2],
+                         q[axis], exact);
         }
     }
 }
 
 static bool encodable(const float n[3]) {
     long double s = 0.0L;
-    int         i;
+    int i;
     for (i = 0; i < 3; ++i) {
         if (!is_finite_bits(bits_of(n[i]))) return false;
         s += fabsl((long double)n[i]);
@@ -213,28 +223,39 @@ static bool encodable(const float n[3]) {
 }
 
 static void test_oct16_is_total(void** state) {
-    static const uint32_t special[] = {0u,          0x80000000u /* -0 */,    0x3f800000u /* 1 */, 0xbf800000u,
-                                       0x7f800000u /* infinity */, 0xff800000u, 0x7fc00000u /* NaN */, 0xffc00001u,
-                                       0x00000001u /* denormal */, 0x807fffffu, 0x7f7fffffu /* FLT_MAX */, 0xff7fffffu,
-                                       0x0b000000u, 0x71000000u};
-    const size_t          count = sizeof special / sizeof special[0];
-    size_t                i, j, k;
-    uint64_t              seed = 3;
-    int                   r;
+    static const uint32_t special[] = {0u,
+                                       0x80000000u /* -0 */,
+                                       0x3f800000u /* 1 */,
+                                       0xbf800000u,
+                                       0x7f800000u /* infinity */,
+                                       0xff800000u,
+                                       0x7fc00000u /* NaN */,
+                                       0xffc00001u,
+                                       0x00000001u /* denormal */,
+                                       0x807fffffu,
+                                       0x7f7fffffu /* FLT_MAX */,
+                                       0xff7fffffu,
+                                       0x0b000000u,
+                                       0x71000000u};
+    const size_t count = sizeof special / sizeof special[0];
+    size_t i, j, k;
+    uint64_t seed = 3;
+    int r;
     (void)state;
     for (i = 0; i < count; ++i)
         for (j = 0; j < count; ++j)
             for (k = 0; k < count; ++k) {
                 const float n[3] = {from_bits(special[i]), from_bits(special[j]), from_bits(special[k])};
-                const int   code = dgb_oct16_encode(n);
-                if (encodable(n)) check_round_trip(n);
+                const int code = dgb_oct16_encode(n);
+                if (encodable(n))
+                    check_round_trip(n);
                 else if (code != CODE_Z)
                     fail_msg("%08x %08x %08x: %04x", special[i], special[j], special[k], (unsigned)code);
             }
     for (r = 0; r < 200000; ++r) {
         const uint32_t u[3] = {random_bits(&seed), random_bits(&seed), random_bits(&seed)};
-        const float    n[3] = {from_bits(u[0]), from_bits(u[1]), from_bits(u[2])};
-        const int      code = dgb_oct16_encode(n);
+        const float n[3] = {from_bits(u[0]), from_bits(u[1]), from_bits(u[2])};
+        const int code = dgb_oct16_encode(n);
         if ((code & 255) > 254 || code >> 8 > 254 || (!encodable(n) && code != CODE_Z))
             fail_msg("%08x %08x %08x: %04x", u[0], u[1], u[2], (unsigned)code);
     }
@@ -244,11 +265,11 @@ static void test_oct16_signed_zeros(void** state) {
     int mask;
     (void)state;
     for (mask = 0; mask < 16; ++mask) {
-        const float  z0 = mask & 1 ? -0.0f : 0.0f, z1 = mask & 2 ? -0.0f : 0.0f, one = mask & 4 ? -1.0f : 1.0f;
-        const float  along_z[3] = {z0, z1, one}, in_plane[3] = {one, z0, z1};
-        const float  expected_z[3] = {0.0f, 0.0f, one}, expected_x[3] = {one, 0.0f, 0.0f};
-        float        n[3];
-        const float* input    = mask & 8 ? in_plane : along_z;
+        const float z0 = mask & 1 ? -0.0f : 0.0f, z1 = mask & 2 ? -0.0f : 0.0f, one = mask & 4 ? -1.0f : 1.0f;
+        const float along_z[3] = {z0, z1, one}, in_plane[3] = {one, z0, z1};
+        const float expected_z[3] = {0.0f, 0.0f, one}, expected_x[3] = {one, 0.0f, 0.0f};
+        float n[3];
+        const float* input = mask & 8 ? in_plane : along_z;
         const float* expected = mask & 8 ? expected_x : expected_z;
         dgb_oct16_decode(dgb_oct16_encode(input), n);
         if (degrees_between(n, expected) > 1e-5L)
@@ -256,9 +277,24 @@ static void test_oct16_signed_zeros(void** state) {
     }
 }
 
+/* On the fold both signs mean one direction, but only one of them is the code, on every device: that of +0.
+   */
+static void test_oct16_folds_zeros_to_the_positive_side(void** state) {
+    int mask;
+    (void)state;
+    for (mask = 0; mask < 4; ++mask) {
+        const float zero = mask & 1 ? -0.0f : 0.0f, side = mask & 2 ? -1.0f : 1.0f;
+        const float down[3] = {zero, zero, -1.0f}, x0[3] = {zero, side, -1.0f}, y0[3] = {side, zero, -1.0f};
+        const int end = side < 0.0f ? 0 : 254, middle = 127 + 64; /* (1/2, 1) */
+        assert_int_equal(dgb_oct16_encode(down), 254 | 254 << 8);
+        assert_int_equal(dgb_oct16_encode(x0), middle | end << 8);
+        assert_int_equal(dgb_oct16_encode(y0), end | middle << 8);
+    }
+}
+
 static void test_oct16_scale_does_not_matter(void** state) {
     uint64_t seed = 4;
-    int      i, exponent;
+    int i, exponent;
     (void)state;
     for (i = 0; i < 2000; ++i) {
         const float n[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
@@ -272,21 +308,22 @@ static void test_oct16_scale_does_not_matter(void** state) {
 
 static void test_both_normals_in_one_texel(void** state) {
     const float x[3] = {1.0f, 0.0f, 0.0f}, minus_y[3] = {0.0f, -1.0f, 0.0f};
-    uint64_t    seed = 5;
-    int         i;
+    uint64_t seed = 5;
+    int i;
     (void)state;
     /* r, g, b, a from the lowest byte: x of layer 0, y of layer 0, x of layer 1, y of layer 1 */
     assert_int_equal(dgb_pack_normals(x, minus_y), 254u | 127u << 8 | 127u << 16 | 0u << 24);
     for (i = 0; i < 20000; ++i) {
-        const float    a[3]   = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
-        const float    b[3]   = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
+        const float a[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
+        const float b[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
         const uint32_t packed = dgb_pack_normals(a, b);
-        float          n[3], m[3], expected_n[3], expected_m[3];
-        if (packed != (dgb_oct16_encode(a) | (uint32_t)dgb_oct16_encode(b) << 16)) fail_msg("packed %08x", packed);
+        float n[3], m[3], expected_n[3], expected_m[3];
+        if (packed != (dgb_oct16_encode(a) | (uint32_t)dgb_oct16_encode(b) << 16))
+            fail_msg("packed %08x", packed);
         dgb_unpack_normals(packed, n, m);
         dgb_oct16_decode(dgb_oct16_encode(a), expected_n);
         dgb_oct16_decode(dgb_oct16_encode(b), expected_m);
-        if (memcmp(n, expected_n, sizeof n) != 0 || memcmp(m, expected_m, sizeof m) != 0)
+        if (!same_bits(n, expected_n, sizeof n) || !same_bits(m, expected_m, sizeof m))
             fail_msg("unpacked %08x", packed);
     }
 }
@@ -295,34 +332,34 @@ static void test_both_normals_in_one_texel(void** state) {
 
 typedef struct small_float {
     const char* name;
-    int         mantissa;
-    uint32_t    last; /* the largest code that is stored */
+    int mantissa;
+    uint32_t last; /* the largest code that is stored */
     float (*unpack)(uint32_t code);
     uint32_t (*pack)(float x);
 } small_float;
 
 static float unpack_channel(uint32_t code, int channel) {
     static const int shift[3] = {0, 11, 22};
-    float            rgb[3];
+    float rgb[3];
     dgb_r11g11b10f_unpack(code << shift[channel], rgb);
     return rgb[channel];
 }
 
 static uint32_t pack_channel(float x, int channel) {
-    float    rgb[3] = {0.0f, 0.0f, 0.0f};
+    float rgb[3] = {0.0f, 0.0f, 0.0f};
     uint32_t packed;
     rgb[channel] = x;
-    packed       = dgb_r11g11b10f_pack(rgb);
+    packed = dgb_r11g11b10f_pack(rgb);
     if (channel == 0 && packed >> 11) fail_msg("r leaks: %08x", packed);
     if (channel == 1 && (packed & 2047u || packed >> 22)) fail_msg("g leaks: %08x", packed);
     if (channel == 2 && packed & 0x3fffffu) fail_msg("b leaks: %08x", packed);
     return channel == 0 ? packed : channel == 1 ? packed >> 11 : packed >> 22;
 }
 
-static float    unpack_r(uint32_t code) { return unpack_channel(code, 0); }
-static float    unpack_g(uint32_t code) { return unpack_channel(code, 1); }
-static float    unpack_b(uint32_t code) { return unpack_channel(code, 2); }
-static float    unpack_half(uint32_t code) { return dgb_half_to_float((uint16_t)code); }
+static float unpack_r(uint32_t code) { return unpack_channel(code, 0); }
+static float unpack_g(uint32_t code) { return unpack_channel(code, 1); }
+static float unpack_b(uint32_t code) { return unpack_channel(code, 2); }
+static float unpack_half(uint32_t code) { return dgb_half_to_float((uint16_t)code); }
 static uint32_t pack_r(float x) { return pack_channel(x, 0); }
 static uint32_t pack_g(float x) { return pack_channel(x, 1); }
 static uint32_t pack_b(float x) { return pack_channel(x, 2); }
@@ -338,12 +375,13 @@ enum { FORMAT_COUNT = 4 };
 /* The value of a finite code, by definition. */
 static double code_value(uint32_t code, int mantissa) {
     const int exponent = (int)(code >> mantissa), fraction = (int)(code & ((1u << mantissa) - 1u));
-    return exponent ? ldexp((1 << mantissa) + fraction, exponent - 15 - mantissa) : ldexp(fraction, -14 - mantissa);
+    return exponent ? ldexp((1 << mantissa) + fraction, exponent - 15 - mantissa)
+                    : ldexp(fraction, -14 - mantissa);
 }
 
 static void check_code(const small_float* f, uint32_t code) {
     const uint32_t infinity = 31u << f->mantissa;
-    const uint32_t u        = bits_of(f->unpack(code));
+    const uint32_t u = bits_of(f->unpack(code));
     if (code < infinity && (double)from_bits(u) != code_value(code, f->mantissa))
         fail_msg("%s: code %04x is %.9g", f->name, code, (double)from_bits(u));
     if (code == infinity && u != 0x7f800000u) fail_msg("%s: infinity is %08x", f->name, u);
@@ -351,7 +389,7 @@ static void check_code(const small_float* f, uint32_t code) {
 }
 
 static void test_every_code_unpacks(void** state) {
-    int      i;
+    int i;
     uint32_t code;
     (void)state;
     for (i = 0; i < FORMAT_COUNT; ++i)
@@ -362,7 +400,7 @@ static void test_negative_halves_unpack(void** state) {
     uint32_t code;
     (void)state;
     for (code = 0; code < 0x8000u; ++code) {
-        const uint32_t plus  = bits_of(dgb_half_to_float((uint16_t)code));
+        const uint32_t plus = bits_of(dgb_half_to_float((uint16_t)code));
         const uint32_t minus = bits_of(dgb_half_to_float((uint16_t)(code | 0x8000u)));
         if (is_nan_bits(plus) ? !is_nan_bits(minus) : minus != (plus | 0x80000000u))
             fail_msg("code %04x: %08x and %08x", code, plus, minus);
@@ -370,7 +408,7 @@ static void test_negative_halves_unpack(void** state) {
 }
 
 static void test_every_code_packs_back(void** state) {
-    int      i;
+    int i;
     uint32_t code;
     (void)state;
     for (i = 0; i < FORMAT_COUNT; ++i)
@@ -386,15 +424,17 @@ static void test_every_code_packs_back(void** state) {
 
 /* Half way between two codes the even one wins; one float to either side decides otherwise. */
 static void test_midpoints_round_to_even(void** state) {
-    int      i;
+    int i;
     uint32_t code;
     (void)state;
     for (i = 0; i < FORMAT_COUNT; ++i)
         for (code = 0; code < formats[i].last; ++code) {
             const small_float* f = &formats[i];
-            const float middle = (float)(0.5 * (code_value(code, f->mantissa) + code_value(code + 1, f->mantissa)));
-            const uint32_t u   = bits_of(middle);
-            const uint32_t at = f->pack(middle), below = f->pack(from_bits(u - 1)), above = f->pack(from_bits(u + 1));
+            const float middle =
+                (float)(0.5 * (code_value(code, f->mantissa) + code_value(code + 1, f->mantissa)));
+            const uint32_t u = bits_of(middle);
+            const uint32_t at = f->pack(middle), below = f->pack(from_bits(u - 1)),
+                           above = f->pack(from_bits(u + 1));
             if (at != code + (code & 1u)) fail_msg("%s: %.9g packs to %04x", f->name, (double)middle, at);
             if (below != code) fail_msg("%s: below %.9g packs to %04x", f->name, (double)middle, below);
             if (above != code + 1) fail_msg("%s: above %.9g packs to %04x", f->name, (double)middle, above);
@@ -404,8 +444,8 @@ static void test_midpoints_round_to_even(void** state) {
 /* Half a step: relative to the value where it is normal, of the smallest step where it is not. */
 static void check_pack_error(const small_float* f, float x) {
     const double largest = code_value(f->last, f->mantissa);
-    const double wanted  = (double)x < largest ? (double)x : largest;
-    const double error   = fabs(code_value(f->pack(x), f->mantissa) - wanted);
+    const double wanted = (double)x < largest ? (double)x : largest;
+    const double error = fabs(code_value(f->pack(x), f->mantissa) - wanted);
     const double smallest_normal = ldexp(1.0, -14);
     const double bound = ldexp(wanted > smallest_normal ? wanted : smallest_normal, -f->mantissa - 1);
     if (error > bound) fail_msg("%s: %.9g is off by %.3g of %.3g", f->name, (double)x, error, bound);
@@ -418,7 +458,8 @@ static void test_pack_is_monotone_and_close(void** state) {
         uint32_t u, last = 0;
         for (u = 0; u <= 0x7f800000u; u += 1499u) {
             const uint32_t code = formats[i].pack(from_bits(u));
-            if (code < last || code > formats[i].last) fail_msg("%s: %08x packs to %04x", formats[i].name, u, code);
+            if (code < last || code > formats[i].last)
+                fail_msg("%s: %08x packs to %04x", formats[i].name, u, code);
             check_pack_error(&formats[i], from_bits(u));
             last = code;
         }
@@ -429,22 +470,23 @@ static void test_pack_is_monotone_and_close(void** state) {
 static void test_packs_of_what_cannot_be_stored(void** state) {
     static const uint32_t zero[] = {0x7fc00000u, 0xffc00000u, 0x7f800001u, 0xff800001u, 0xff800000u,
                                     0x80000000u, 0xbf800000u, 0x80000001u, 0x00000001u, 0x007fffffu};
-    static const float    huge[] = {64512.0f, 64513.0f, 65024.0f, 65504.0f, 65520.0f, 1e6f, FLT_MAX};
-    size_t                i;
-    int                   channel;
+    static const float huge[] = {64512.0f, 64513.0f, 65024.0f, 65504.0f, 65520.0f, 1e6f, FLT_MAX};
+    size_t i;
+    int channel;
     (void)state;
     for (channel = 0; channel < 3; ++channel) {
         for (i = 0; i < sizeof zero / sizeof zero[0]; ++i)
             if (formats[channel].pack(from_bits(zero[i])) != 0) fail_msg("%08x does not pack to 0", zero[i]);
         for (i = 0; i < sizeof huge / sizeof huge[0]; ++i)
             if (formats[channel].pack(huge[i]) != formats[channel].last)
-                fail_msg("%s: %g packs to %04x", formats[channel].name, (double)huge[i], formats[channel].pack(huge[i]));
+                fail_msg("%s: %g packs to %04x", formats[channel].name, (double)huge[i],
+                         formats[channel].pack(huge[i]));
     }
 }
 
 static void test_half_of_what_cannot_be_stored(void** state) {
     static const float huge[] = {65504.0f, 65505.0f, 65519.0f, 65520.0f, 65536.0f, 1e6f, FLT_MAX};
-    size_t             i;
+    size_t i;
     (void)state;
     for (i = 0; i < sizeof huge / sizeof huge[0]; ++i) {
         if (dgb_half_from_float(huge[i]) != 0x7bff) fail_msg("%g", (double)huge[i]);
@@ -462,14 +504,14 @@ static void test_half_of_what_cannot_be_stored(void** state) {
 
 static void test_channels_do_not_mix(void** state) {
     uint64_t seed = 6;
-    int      i;
+    int i;
     (void)state;
     for (i = 0; i < 100000; ++i) {
-        const float    rgb[3]  = {from_bits(random_bits(&seed)), from_bits(random_bits(&seed)),
-                                  from_bits(random_bits(&seed))};
-        const uint32_t packed  = dgb_r11g11b10f_pack(rgb);
+        const float rgb[3] = {from_bits(random_bits(&seed)), from_bits(random_bits(&seed)),
+                              from_bits(random_bits(&seed))};
+        const uint32_t packed = dgb_r11g11b10f_pack(rgb);
         const uint32_t expected = pack_r(rgb[0]) | pack_g(rgb[1]) << 11 | pack_b(rgb[2]) << 22;
-        float          again[3];
+        float again[3];
         if (packed != expected)
             fail_msg("(%.9g, %.9g, %.9g): %08x", (double)rgb[0], (double)rgb[1], (double)rgb[2], packed);
         dgb_r11g11b10f_unpack(packed, again);
@@ -491,12 +533,13 @@ static void check_storable(uint32_t u) {
 }
 
 static void test_storable(void** state) {
-    static const uint32_t special[] = {0u,          0x80000000u, 1u,          0x80000001u, 0x7f800000u, 0xff800000u,
-                                       0x7f800001u, 0x7fc00000u, 0xffc00000u, 0x7fffffffu, 0xffffffffu, 0x7f7fffffu,
-                                       0xff7fffffu, 0x477bffffu, 0x477c0000u, 0x477c0001u, 0x3f800000u, 0xbf800000u};
-    uint64_t              seed = 7;
-    size_t                i;
-    int                   r;
+    static const uint32_t special[] = {0u,          0x80000000u, 1u,          0x80000001u, 0x7f800000u,
+                                       0xff800000u, 0x7f800001u, 0x7fc00000u, 0xffc00000u, 0x7fffffffu,
+                                       0xffffffffu, 0x7f7fffffu, 0xff7fffffu, 0x477bffffu, 0x477c0000u,
+                                       0x477c0001u, 0x3f800000u, 0xbf800000u};
+    uint64_t seed = 7;
+    size_t i;
+    int r;
     (void)state;
     for (i = 0; i < sizeof special / sizeof special[0]; ++i) check_storable(special[i]);
     for (r = 0; r < 1000000; ++r) check_storable(random_bits(&seed));
@@ -512,6 +555,7 @@ int main(void) {
         cmocka_unit_test(test_oct16_rounds_to_nearest),
         cmocka_unit_test(test_oct16_is_total),
         cmocka_unit_test(test_oct16_signed_zeros),
+        cmocka_unit_test(test_oct16_folds_zeros_to_the_positive_side),
         cmocka_unit_test(test_oct16_scale_does_not_matter),
         cmocka_unit_test(test_both_normals_in_one_texel),
         cmocka_unit_test(test_every_code_unpacks),

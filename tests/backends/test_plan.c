@@ -1,0 +1,671 @@
+/* Plans: what every desc would create and run, and what is wrong with the descs that are refused. No device
+   at all. */
+
+#include "record_backend.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <limits.h>
+#include <string.h>
+
+static const char* const effect_names[] = {"none", "ao", "radiosity", "ao+radiosity"};
+static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
+
+/* To the last bit: what == says of floats and padding is not the question. */
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
+static dgb_desc small_desc(int layers, uint32_t effects) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = 64;
+    d.height = 48;
+    d.guard_band = 8;
+    d.layers = layers;
+    d.effects = effects;
+    return d;
+}
+
+static dgb_plan make_plan(const dgb_desc* desc) {
+    dgb_plan plan;
+    memset(&plan, 0, sizeof plan);
+    if (dgb_make_plan(desc, &plan) != DGB_OK)
+        fail_msg("refused: %d layers, effects %u, oracle %d, emission %d", desc->layers,
+                 (unsigned)desc->effects, (int)desc->oracle, (int)desc->emission);
+    return plan;
+}
+
+/* >> plans as text */
+
+static void print_texture(record_text* text, const dgb_texture_desc* t) {
+    record_printf(text, "texture %s %s %dx%d", dgb_slot_name(t->slot), dgb_format_name(t->format), t->width,
+                  t->height);
+    if (t->layers) record_printf(text, " layers %d", t->layers);
+    record_printf(text, " levels %d, %u bytes\n", t->levels, (unsigned)t->bytes);
+}
+
+static void print_pass(record_text* text, const dgb_plan_pass* pass) {
+    int i;
+    record_printf(text, "pass %s", dgb_pass_name(pass->id));
+    if (pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RECONSTRUCT) record_printf(text, " %d", pass->level);
+    if (pass->program >= 0) record_printf(text, " #%d", pass->program);
+    record_printf(text, ":");
+    for (i = 0; i < pass->input_count; ++i) {
+        record_printf(text, " %s", dgb_slot_name(pass->inputs[i].name));
+        if (pass->inputs[i].texture != pass->inputs[i].name)
+            record_printf(text, "=%s", dgb_slot_name(pass->inputs[i].texture));
+    }
+    record_printf(text, " ->");
+    for (i = 0; i < pass->output_count; ++i) record_printf(text, " %s", dgb_slot_name(pass->outputs[i]));
+    record_printf(text, "\n");
+}
+
+static void print_program(record_text* text, const dgb_plan* plan, int i) {
+    record_printf(text, "program #%d ", i);
+    record_print_program(text, &plan->programs[i]);
+    record_printf(text, "\n");
+}
+
+static void print_plan(record_text* text, const dgb_plan* plan) {
+    int i;
+    record_printf(text, "%dx%d, %d layers, %d levels, oracle %s\n", plan->width, plan->height, plan->layers,
+                  plan->levels, dgb_oracle_name(plan->oracle));
+    for (i = 0; i < plan->texture_count; ++i) print_texture(text, &plan->textures[i]);
+    for (i = 0; i < plan->program_count; ++i) print_program(text, plan, i);
+    for (i = 0; i < plan->pass_count; ++i) print_pass(text, &plan->passes[i]);
+    record_printf(text, "%u bytes\n", (unsigned)plan->bytes);
+}
+
+/* >> golden plans */
+
+/* How the layers are emitted is no matter of textures and passes, so one section holds for all that are
+   allowed. */
+static void print_built_section(record_text* text, int layers, uint32_t effects, dgb_oracle oracle) {
+    record_text first = {0}, other = {0};
+    dgb_desc d = small_desc(layers, effects);
+    dgb_emission emission = DGB_EMISSION_AUTO;
+    record_printf(text, "== built, effects %s, layers %d, oracle %s\nemission", effect_names[effects], layers,
+                  dgb_oracle_name(oracle));
+    d.oracle = oracle;
+    for (; emission < DGB_EMISSION_COUNT; emission = (dgb_emission)(emission + 1)) {
+        dgb_plan plan;
+        if (oracle == DGB_ORACLE_PEEL && emission > DGB_EMISSION_SEPARATE) continue;
+        d.emission = emission;
+        plan = make_plan(&d);
+        record_printf(text, " %s=%s", dgb_emission_name(emission), dgb_emission_name(plan.emission));
+        record_text_clear(&other);
+        print_plan(first.data ? &other : &first, &plan);
+        if (other.size && strcmp(first.data, other.data) != 0)
+            fail_msg("emission %d changes the plan", (int)emission);
+    }
+    record_printf(text, "\n%s\n", first.data);
+    record_text_free(&first);
+    record_text_free(&other);
+}
+
+/* The format of the engine's normals changes the pack pass only; later ones are printed as far as they may
+   differ. */
+static void print_engine_section(record_text* text, int layers, uint32_t effects, dgb_normals normals) {
+    dgb_desc d = small_desc(layers, effects);
+    dgb_plan plan;
+    d.source = DGB_SOURCE_ENGINE;
+    d.normals = normals;
+    plan = make_plan(&d);
+    assert_int_equal(plan.oracle, DGB_ORACLE_DEFAULT); /* there is nothing to build */
+    record_printf(text, "== engine's own, effects %s, layers %d, normals %s\n", effect_names[effects], layers,
+                  normals_names[normals]);
+    if (normals == DGB_NORMALS_FROM_DEPTH) {
+        print_plan(text, &plan);
+    } else if (plan.pass_count) {
+        print_program(text, &plan, 0);
+        print_pass(text, &plan.passes[0]);
+    }
+    record_printf(text, "\n");
+}
+
+static void test_golden_plans(void** state) {
+    record_text text = {0};
+    uint32_t effects;
+    int layers, oracle, normals;
+    (void)state;
+    for (effects = 0; effects < 4; ++effects)
+        for (layers = 1; layers <= 2; ++layers)
+            for (oracle = 0; oracle < DGB_ORACLE_COUNT; ++oracle)
+                if (oracle != DGB_ORACLE_DEFAULT || layers == 1)
+                    print_built_section(&text, layers, effects, (dgb_oracle)oracle);
+    print_built_section(&text, 3, 3, DGB_ORACLE_REPROJECT);
+    for (effects = 0; effects < 4; ++effects)
+        for (layers = 1; layers <= 2; ++layers)
+            for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals)
+                print_engine_section(&text, layers, effects, (dgb_normals)normals);
+    record_check_golden("plan.golden", &text);
+    record_text_free(&text);
+}
+
+/* >> what every plan keeps to */
+
+typedef void (*plan_check)(const dgb_desc* desc, const dgb_plan* plan);
+
+static void for_every_plan(plan_check check) {
+    uint32_t effects;
+    int layers, source, oracle, normals;
+    for (effects = 0; effects < 4; ++effects)
+        for (layers = 0; layers <= DGB_MAX_LAYERS; ++layers)
+            for (source = 0; source < 2; ++source)
+                for (oracle = 0; oracle < DGB_ORACLE_COUNT; ++oracle)
+                    for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
+                        dgb_desc d = small_desc(layers, effects);
+                        dgb_plan plan;
+                        if (source == DGB_SOURCE_ENGINE && (layers > DGB_MAX_SHADED_LAYERS || oracle))
+                            continue;
+                        d.source = (dgb_source)source;
+                        d.oracle = (dgb_oracle)oracle;
+                        d.normals = (dgb_normals)normals;
+                        plan = make_plan(&d);
+                        check(&d, &plan);
+                    }
+}
+
+static const dgb_texture_desc* find_texture(const dgb_plan* plan, dgb_slot slot) {
+    int i;
+    for (i = 0; i < plan->texture_count; ++i)
+        if (plan->textures[i].slot == slot) return &plan->textures[i];
+    return NULL;
+}
+
+static bool has_pass(const dgb_plan* plan, dgb_pass_id id) {
+    int i;
+    for (i = 0; i < plan->pass_count; ++i)
+        if (plan->passes[i].id == id) return true;
+    return false;
+}
+
+static bool has_program(const dgb_plan* plan, dgb_pass_id id) {
+    int i;
+    for (i = 0; i < plan->program_count; ++i)
+        if (plan->programs[i].pass == id) return true;
+    return false;
+}
+
+static void check_stage(const dgb_plan* plan, dgb_pass_id id, bool wanted) {
+    if (has_pass(plan, id) != wanted || has_program(plan, id) != wanted)
+        fail_msg("pass %s is %s", dgb_pass_name(id), wanted ? "missing" : "not wanted");
+}
+
+static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
+    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
+    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_B0};
+    static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS, DGB_ROTATIONS};
+    const bool ao = desc->effects & DGB_EFFECT_AO, light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0;
+    size_t i;
+    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
+    for (i = 0; i < 4; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, ao || light);
+    assert_int_equal(find_texture(plan, DGB_B1) != NULL, light && plan->layers > 1);
+    check_stage(plan, DGB_PASS_AO, ao);
+    check_stage(plan, DGB_PASS_GATHER, light);
+    check_stage(plan, DGB_PASS_PACK, ao || light);
+    check_stage(plan, DGB_PASS_MIP, ao || light);
+    check_stage(plan, DGB_PASS_RECONSTRUCT, ao || light);
+    assert_int_equal(has_pass(plan, DGB_PASS_LAYERS), desc->source == DGB_SOURCE_BUILD);
+    assert_false(has_program(plan, DGB_PASS_LAYERS)); /* the engine's programs draw it */
+}
+
+static bool is_engine_slot(dgb_slot slot) {
+    return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1;
+}
+
+/* Whatever is read was written before, or comes from the engine; whatever is written exists and has that
+   level. */
+static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
+    bool written[DGB_SLOT_COUNT] = {false};
+    int i, k;
+    (void)desc;
+    written[DGB_ROTATIONS] = written[DGB_ORACLE] = written[DGB_DEPTH] = true;
+    for (i = 0; i < plan->pass_count; ++i) {
+        const dgb_plan_pass* pass = &plan->passes[i];
+        for (k = 0; k < pass->input_count; ++k) {
+            const dgb_slot slot = pass->inputs[k].texture;
+            if (is_engine_slot(slot)) continue;
+            if (!find_texture(plan, slot) || !written[slot])
+                fail_msg("pass %s reads %s too early", dgb_pass_name(pass->id), dgb_slot_name(slot));
+        }
+        for (k = 0; k < pass->output_count; ++k) {
+            const dgb_texture_desc* t = find_texture(plan, pass->outputs[k]);
+            if (!t || (pass->id == DGB_PASS_MIP && pass->level >= t->levels))
+                fail_msg("pass %s writes %s", dgb_pass_name(pass->id), dgb_slot_name(pass->outputs[k]));
+            written[pass->outputs[k]] = true;
+        }
+        if (pass->program >= plan->program_count || (pass->program < 0) != (pass->id == DGB_PASS_LAYERS) ||
+            (pass->program >= 0 && plan->programs[pass->program].pass != pass->id))
+            fail_msg("pass %s has program %d", dgb_pass_name(pass->id), pass->program);
+    }
+    for (i = 0; i < plan->texture_count; ++i)
+        if (!written[plan->textures[i].slot])
+            fail_msg("nobody writes %s", dgb_slot_name(plan->textures[i].slot));
+}
+
+static void check_bytes(const dgb_desc* desc, const dgb_plan* plan) {
+    uint64_t sum = 0;
+    int i, k;
+    (void)desc;
+    for (i = 0; i < plan->texture_count; ++i) {
+        sum += plan->textures[i].bytes;
+        for (k = 0; k < i; ++k)
+            if (plan->textures[k].slot == plan->textures[i].slot)
+                fail_msg("two of %s", dgb_slot_name(plan->textures[i].slot));
+    }
+    if (sum != plan->bytes) fail_msg("%u bytes, not %u", (unsigned)plan->bytes, (unsigned)sum);
+}
+
+static void test_effects_that_are_off_cost_nothing(void** state) {
+    (void)state;
+    for_every_plan(check_effects_cost_only_what_is_on);
+}
+
+static void test_passes_connect(void** state) {
+    (void)state;
+    for_every_plan(check_passes_connect);
+}
+
+static void test_bytes_add_up(void** state) {
+    (void)state;
+    for_every_plan(check_bytes);
+}
+
+/* >> bytes */
+
+static uint64_t bytes_of(const dgb_plan* plan, dgb_slot slot) {
+    const dgb_texture_desc* t = find_texture(plan, slot);
+    return t ? t->bytes : 0;
+}
+
+/* 160 bits a pixel for each layer that is built, and 160 for the packed input of two. */
+static void test_160_bits(void** state) {
+    dgb_desc d = small_desc(2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+    const uint64_t pixels = 80 * 64;
+    dgb_plan plan;
+    uint64_t built, level0 = 0;
+    const dgb_slot packed[] = {DGB_Z, DGB_NORMALS, DGB_B0, DGB_B1};
+    int i;
+    (void)state;
+    plan = make_plan(&d);
+    built = bytes_of(&plan, DGB_DEPTH) + bytes_of(&plan, DGB_ALBEDO) + bytes_of(&plan, DGB_NORMAL) +
+            bytes_of(&plan, DGB_RADIANCE) + bytes_of(&plan, DGB_VELOCITY);
+    assert_int_equal(built * 8, pixels * 2 * 160);
+    for (i = 0; i < 4; ++i) {
+        const dgb_texture_desc* t = find_texture(&plan, packed[i]);
+        uint64_t texels = pixels;
+        int level;
+        for (level = 1; level < t->levels; ++level)
+            texels += (uint64_t)(80 >> level) * (uint64_t)(64 >> level);
+        assert_int_equal(t->bytes % texels, 0);
+        level0 += t->bytes / texels * pixels;
+    }
+    assert_int_equal(level0 * 8, pixels * 160);
+}
+
+/* 16384 x 16384 x 8 layers: 2^28 pixels, 2^31 texels a target, 2^33 bytes each; nothing may wrap. */
+static void test_bytes_of_the_largest(void** state) {
+    const uint64_t pixels = (uint64_t)1 << 28;
+    dgb_desc d = small_desc(8, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+    dgb_plan plan;
+    uint64_t chain = 0;
+    int level;
+    (void)state;
+    d.width = d.height = 16384;
+    d.guard_band = 0;
+    plan = make_plan(&d);
+    for (level = 0; level < 6; ++level) chain += pixels >> (2 * level);
+    assert_true(bytes_of(&plan, DGB_ALBEDO) == pixels * 32);
+    assert_true(bytes_of(&plan, DGB_ORACLE) == pixels * 32);
+    /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
+       rotations */
+    assert_true(plan.bytes == 6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048);
+}
+
+static void test_odd_sizes(void** state) {
+    static const int sizes[][3] = {{1, 1, 0},    {1, 77, 0}, {16384, 1, 0},    {1, 16384, 0},
+                                   {1, 1, 8191}, {3, 5, 1},  {16384, 16384, 0}};
+    size_t i;
+    int k;
+    (void)state;
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        dgb_desc d = small_desc(2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+        dgb_plan plan;
+        int mips = 0;
+        d.width = sizes[i][0], d.height = sizes[i][1], d.guard_band = sizes[i][2];
+        plan = make_plan(&d);
+        assert_int_equal(plan.width, d.width + 2 * d.guard_band);
+        assert_int_equal(plan.height, d.height + 2 * d.guard_band);
+        assert_int_equal(plan.levels, dgb_mip_levels(plan.width, plan.height));
+        for (k = 0; k < plan.pass_count; ++k) mips += plan.passes[k].id == DGB_PASS_MIP;
+        assert_int_equal(mips, plan.levels - 1);
+        check_bytes(&d, &plan);
+        check_passes_connect(&d, &plan);
+    }
+}
+
+/* >> options that change a plan */
+
+static void test_depth_formats(void** state) {
+    static const dgb_format formats[] = {DGB_FORMAT_NONE, DGB_FORMAT_D16, DGB_FORMAT_D24, DGB_FORMAT_D32F};
+    static const uint64_t bytes[] = {4, 2, 4, 4};
+    int i;
+    (void)state;
+    for (i = 0; i < 4; ++i) {
+        dgb_desc d = small_desc(2, 0);
+        dgb_plan plan;
+        d.depth_format = formats[i];
+        plan = make_plan(&d);
+        assert_int_equal(find_texture(&plan, DGB_DEPTH)->format, i ? formats[i] : DGB_FORMAT_D32F);
+        assert_int_equal(find_texture(&plan, DGB_ORACLE)->format, i ? formats[i] : DGB_FORMAT_D32F);
+        assert_int_equal(bytes_of(&plan, DGB_DEPTH), 2 * 80 * 64 * bytes[i]);
+    }
+}
+
+static void test_targets(void** state) {
+    static const dgb_slot slots[] = {DGB_ALBEDO, DGB_NORMAL, DGB_RADIANCE, DGB_VELOCITY};
+    uint32_t targets;
+    int i;
+    (void)state;
+    for (targets = 0; targets <= DGB_TARGET_ALL; ++targets) {
+        dgb_desc d = small_desc(2, 0);
+        dgb_plan plan;
+        d.targets = targets;
+        plan = make_plan(&d);
+        for (i = 0; i < 4; ++i)
+            assert_int_equal(find_texture(&plan, slots[i]) != NULL, !targets || (targets >> i & 1u));
+    }
+}
+
+static int define_of(const dgb_plan* plan, dgb_pass_id pass, const char* name) {
+    int i, k;
+    for (i = 0; i < plan->program_count; ++i)
+        for (k = 0; k < plan->programs[i].define_count; ++k)
+            if (plan->programs[i].pass == pass && strcmp(plan->programs[i].defines[k].name, name) == 0)
+                return plan->programs[i].defines[k].value;
+    fail_msg("no %s", name);
+    return -1;
+}
+
+static void test_senders_choose_the_program(void** state) {
+    dgb_desc d = small_desc(2, DGB_EFFECT_RADIOSITY);
+    dgb_plan plan;
+    (void)state;
+    plan = make_plan(&d);
+    assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 0);
+    d.senders = DGB_SENDERS_STRONGEST;
+    plan = make_plan(&d);
+    assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 1);
+}
+
+static dgb_emission automatic(bool geometry, bool vertex, dgb_oracle oracle, int layers) {
+    record_backend r;
+    dgb_desc d = small_desc(layers, 0);
+    dgb_plan plan;
+    record_start(&r);
+    r.backend.caps.emission[DGB_EMISSION_GEOMETRY] = geometry;
+    r.backend.caps.emission[DGB_EMISSION_VERTEX] = vertex;
+    d.backend = &r.backend;
+    d.oracle = oracle;
+    plan = make_plan(&d);
+    record_stop(&r);
+    return plan.emission;
+}
+
+static void test_automatic_emission(void** state) {
+    (void)state;
+    assert_int_equal(automatic(true, true, DGB_ORACLE_REPROJECT, 2), DGB_EMISSION_VERTEX);
+    assert_int_equal(automatic(true, false, DGB_ORACLE_REPROJECT, 2), DGB_EMISSION_GEOMETRY);
+    assert_int_equal(automatic(false, true, DGB_ORACLE_PREVIOUS, 2), DGB_EMISSION_VERTEX);
+    assert_int_equal(automatic(false, false, DGB_ORACLE_PREVIOUS, 2), DGB_EMISSION_SEPARATE);
+    assert_int_equal(automatic(true, true, DGB_ORACLE_PEEL, 2), DGB_EMISSION_SEPARATE);
+    assert_int_equal(automatic(true, true, DGB_ORACLE_REPROJECT, 1), DGB_EMISSION_SEPARATE);
+    assert_int_equal(automatic(true, true, DGB_ORACLE_DEFAULT, 1), DGB_EMISSION_SEPARATE);
+}
+
+/* >> refusals */
+
+typedef struct logged {
+    int count;
+    dgb_result result;
+    dgb_log_item item;
+    const char* sentence;
+} logged;
+
+static void on_log(void* user, dgb_result result, dgb_log_item item, const char* sentence) {
+    logged* log = (logged*)user;
+    log->result = result;
+    log->item = item;
+    log->sentence = sentence;
+    ++log->count;
+}
+
+static const dgb_backend weak_device = {.caps = {.max_size = 512, .max_layers = 4}};
+static const dgb_backend one_layer = {.caps = {.max_size = 512, .max_layers = 1}};
+
+#define SIZE .width = 64, .height = 48
+#define BAD(enumeration) (enumeration)(-1)
+
+static const struct {
+    const char* what;
+    dgb_desc desc;
+    dgb_result result;
+    dgb_log_item item;
+} refusals[] = {
+    {"no size", {.layers = 2}, DGB_INVALID, DGB_LOG_SIZE},
+    {"width 0", {.height = 48}, DGB_INVALID, DGB_LOG_SIZE},
+    {"height 0", {.width = 64}, DGB_INVALID, DGB_LOG_SIZE},
+    {"width -1", {.width = -1, .height = 48}, DGB_INVALID, DGB_LOG_SIZE},
+    {"height INT_MIN", {.width = 64, .height = INT_MIN}, DGB_INVALID, DGB_LOG_SIZE},
+    {"width 16385", {.width = 16385, .height = 48}, DGB_INVALID, DGB_LOG_SIZE},
+    {"height INT_MAX", {.width = 64, .height = INT_MAX}, DGB_INVALID, DGB_LOG_SIZE},
+    {"guard band -1", {SIZE, .guard_band = -1}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"guard band 8161", {SIZE, .guard_band = 8161}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"guard band INT_MAX", {SIZE, .guard_band = INT_MAX}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"guard band INT_MIN", {SIZE, .guard_band = INT_MIN}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"16384 and 1", {.width = 16384, .height = 1, .guard_band = 1}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"1 by 16384 and 1", {.width = 1, .height = 16384, .guard_band = 1}, DGB_INVALID, DGB_LOG_GUARD_BAND},
+    {"device of 512",
+     {.width = 500, .height = 48, .guard_band = 7, .backend = &weak_device},
+     DGB_INVALID,
+     DGB_LOG_GUARD_BAND},
+    {"layers -1", {SIZE, .layers = -1}, DGB_INVALID, DGB_LOG_LAYERS},
+    {"layers 9", {SIZE, .layers = 9}, DGB_INVALID, DGB_LOG_LAYERS},
+    {"3 of the engine's", {SIZE, .layers = 3, .source = DGB_SOURCE_ENGINE}, DGB_INVALID, DGB_LOG_LAYERS},
+    {"5 of 4 layers", {SIZE, .layers = 5, .backend = &weak_device}, DGB_INVALID, DGB_LOG_LAYERS},
+    {"default layers of 1", {SIZE, .backend = &one_layer}, DGB_INVALID, DGB_LOG_LAYERS},
+    {"effect 4", {SIZE, .effects = 4}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"target 16", {SIZE, .targets = 16}, DGB_INVALID, DGB_LOG_TARGETS},
+    {"ao, no normal",
+     {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_RADIANCE},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"light, no radiance",
+     {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"light, no normal",
+     {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_RADIANCE},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"source", {SIZE, .source = BAD(dgb_source)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"source 2", {SIZE, .source = (dgb_source)2}, DGB_INVALID, DGB_LOG_ENUM},
+    {"oracle", {SIZE, .oracle = BAD(dgb_oracle)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"oracle 4", {SIZE, .oracle = DGB_ORACLE_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"emission", {SIZE, .emission = BAD(dgb_emission)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"emission 4",
+     {SIZE, .emission = DGB_EMISSION_COUNT, .backend = &weak_device},
+     DGB_INVALID,
+     DGB_LOG_ENUM},
+    {"clip", {SIZE, .clip = BAD(dgb_clip)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"clip 2", {SIZE, .clip = DGB_CLIP_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"normals", {SIZE, .normals = BAD(dgb_normals)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"normals 4",
+     {SIZE, .normals = DGB_NORMALS_COUNT, .source = DGB_SOURCE_ENGINE},
+     DGB_INVALID,
+     DGB_LOG_ENUM},
+    {"senders", {SIZE, .senders = BAD(dgb_senders)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"senders 2", {SIZE, .senders = DGB_SENDERS_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"normaliser", {SIZE, .normaliser = BAD(dgb_normaliser)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"normaliser 2", {SIZE, .normaliser = DGB_NORMALISER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
+    {"depth format 12", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"peel by geometry",
+     {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_GEOMETRY},
+     DGB_INVALID,
+     DGB_LOG_PEEL_EMISSION},
+    {"peel by vertex",
+     {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_VERTEX},
+     DGB_INVALID,
+     DGB_LOG_PEEL_EMISSION},
+    {"geometry not there",
+     {SIZE, .emission = DGB_EMISSION_GEOMETRY, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_EMISSION},
+    {"vertex not there",
+     {SIZE, .emission = DGB_EMISSION_VERTEX, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_EMISSION},
+    {"clip not there",
+     {SIZE, .clip = DGB_CLIP_ZERO_TO_ONE, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_CLIP},
+    {"engine and oracle",
+     {SIZE, .source = DGB_SOURCE_ENGINE, .oracle = DGB_ORACLE_PREVIOUS},
+     DGB_INVALID,
+     DGB_LOG_SOURCE_OPTIONS},
+    {"engine and emission",
+     {SIZE, .source = DGB_SOURCE_ENGINE, .emission = DGB_EMISSION_SEPARATE},
+     DGB_INVALID,
+     DGB_LOG_SOURCE_OPTIONS},
+    {"engine and targets",
+     {SIZE, .source = DGB_SOURCE_ENGINE, .targets = DGB_TARGET_NORMAL},
+     DGB_INVALID,
+     DGB_LOG_SOURCE_OPTIONS},
+};
+
+static void test_refusals(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof refusals / sizeof refusals[0]; ++i) {
+        dgb_desc d = refusals[i].desc;
+        logged log = {0};
+        dgb_plan plan, before;
+        dgb_result result;
+        memset(&plan, 0x5a, sizeof plan);
+        memcpy(&before, &plan, sizeof plan);
+        d.log = on_log;
+        d.log_user = &log;
+        result = dgb_make_plan(&d, &plan);
+        if (result != refusals[i].result || log.result != result || log.count != 1 ||
+            log.item != refusals[i].item)
+            fail_msg("%s: %s, %d logged, %s", refusals[i].what, dgb_result_name(result), log.count,
+                     dgb_log_item_name(log.item));
+        if (!log.sentence || strlen(log.sentence) < 10) fail_msg("%s: no sentence", refusals[i].what);
+        if (!same_bits(&plan, &before, sizeof plan)) fail_msg("%s: the plan changed", refusals[i].what);
+        d.log = NULL; /* nobody need listen */
+        assert_int_equal(dgb_make_plan(&d, &plan), refusals[i].result);
+    }
+}
+
+/* The other side of every limit. */
+static void test_limits_are_inclusive(void** state) {
+    static const dgb_desc descs[] = {
+        {SIZE, .guard_band = 8160},
+        {.width = 16384, .height = 16384},
+        {.width = 498, .height = 498, .guard_band = 7, .layers = 4, .backend = &weak_device},
+        {SIZE, .layers = 8},
+        {SIZE, .layers = 1, .backend = &one_layer},
+        {SIZE, .layers = 2, .source = DGB_SOURCE_ENGINE},
+        {SIZE, .layers = 2, .source = DGB_SOURCE_ENGINE, .backend = &one_layer}, /* 2D textures, no array */
+        {SIZE, .source = DGB_SOURCE_ENGINE, .clip = DGB_CLIP_ZERO_TO_ONE,
+         .backend = &weak_device}, /* no clip to set */
+        {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_NORMAL},
+        {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+        {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},
+    };
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof descs / sizeof descs[0]; ++i) {
+        dgb_desc d = descs[i];
+        logged log = {0};
+        dgb_plan plan;
+        d.log = on_log;
+        d.log_user = &log;
+        if (dgb_make_plan(&d, &plan) != DGB_OK || log.count)
+            fail_msg("row %d is refused: %s", (int)i, dgb_log_item_name(log.item));
+    }
+}
+
+static void test_null_arguments(void** state) {
+    logged log = {0};
+    dgb_desc d = small_desc(2, 0);
+    dgb_plan plan;
+    (void)state;
+    d.log = on_log;
+    d.log_user = &log;
+    assert_int_equal(dgb_make_plan(NULL, &plan), DGB_INVALID);
+    assert_int_equal(dgb_make_plan(NULL, NULL), DGB_INVALID);
+    assert_int_equal(log.count, 0);
+    assert_int_equal(dgb_make_plan(&d, NULL), DGB_INVALID);
+    assert_int_equal(log.count, 1);
+    assert_int_equal(log.item, DGB_LOG_NULL_ARGUMENT);
+}
+
+/* >> names */
+
+static void test_names(void** state) {
+    int i, k;
+    (void)state;
+    assert_string_equal(dgb_result_name(DGB_OK), "DGB_OK");
+    assert_string_equal(dgb_result_name(DGB_DEVICE), "DGB_DEVICE");
+    assert_string_equal(dgb_result_name((dgb_result)(DGB_DEVICE + 1)), "?");
+    assert_string_equal(dgb_result_name((dgb_result)-1), "?");
+    assert_string_equal(dgb_log_item_name(DGB_LOG_NONE), "NONE");
+    assert_string_equal(dgb_log_item_name(DGB_LOG_SIZE), "SIZE");
+    assert_string_equal(dgb_log_item_name(DGB_LOG_NO_LAYERS), "NO_LAYERS");
+    assert_string_equal(dgb_log_item_name(DGB_LOG_COUNT), "?");
+    assert_string_equal(dgb_slot_name(DGB_AO_RAW), "ao_raw");
+    assert_string_equal(dgb_slot_name(DGB_IRRADIANCE), "irradiance");
+    assert_string_equal(dgb_slot_name(DGB_SLOT_COUNT), "?");
+    assert_string_equal(dgb_pass_name(DGB_PASS_GATHER), "gather");
+    assert_string_equal(dgb_pass_name(DGB_PASS_COUNT), "?");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RG32F), "RG32F");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_D32F), "D32F");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_COUNT), "?");
+    assert_string_equal(dgb_oracle_name(DGB_ORACLE_REPROJECT), "reproject");
+    assert_string_equal(dgb_oracle_name(DGB_ORACLE_COUNT), "?");
+    assert_string_equal(dgb_emission_name(DGB_EMISSION_VERTEX), "vertex");
+    assert_string_equal(dgb_emission_name(DGB_EMISSION_COUNT), "?");
+    for (i = 0; i < DGB_SLOT_COUNT; ++i)
+        for (k = 0; k < i; ++k)
+            assert_string_not_equal(dgb_slot_name((dgb_slot)i), dgb_slot_name((dgb_slot)k));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_golden_plans),
+        cmocka_unit_test(test_effects_that_are_off_cost_nothing),
+        cmocka_unit_test(test_passes_connect),
+        cmocka_unit_test(test_bytes_add_up),
+        cmocka_unit_test(test_160_bits),
+        cmocka_unit_test(test_bytes_of_the_largest),
+        cmocka_unit_test(test_odd_sizes),
+        cmocka_unit_test(test_depth_formats),
+        cmocka_unit_test(test_targets),
+        cmocka_unit_test(test_senders_choose_the_program),
+        cmocka_unit_test(test_automatic_emission),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_limits_are_inclusive),
+        cmocka_unit_test(test_null_arguments),
+        cmocka_unit_test(test_names),
+    };
+    return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
+}
