@@ -1,0 +1,210 @@
+/* The std140 blocks of the shaders and the C structs that are uploaded into them: the driver says where each
+   member lies. */
+#include "gl_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static fixture f;
+
+typedef struct
+    member { /* of a block: GLSL name, offset, and distance between elements of an array (0: none) */
+    const char* name;
+    size_t offset, stride;
+} member;
+
+#define CAMERA(prefix, type, field)                                    \
+    {prefix ".linearise", offsetof(type, field.linearise), 0},         \
+        {prefix ".position_z", offsetof(type, field.position_z), 0},   \
+        {prefix ".position_1", offsetof(type, field.position_1), 0}, { \
+        prefix ".footprint", offsetof(type, field.footprint), 0        \
+    }
+#define VALUE(name, type, field) \
+    { name, offsetof(type, field), 0 }
+#define ARRAY(name, type, field) \
+    { name "[0]", offsetof(type, field), sizeof(float[4]) }
+
+static const member draw_members[] = {
+    CAMERA("dgb_draw_camera", dgb_draw_uniforms, camera),
+    CAMERA("dgb_draw_previous", dgb_draw_uniforms, previous),
+    VALUE("dgb_draw_distance", dgb_draw_uniforms, distance),
+    VALUE("dgb_draw_previous_distance", dgb_draw_uniforms, previous_distance),
+    VALUE("dgb_draw_size", dgb_draw_uniforms, size),
+    VALUE("dgb_draw_layer", dgb_draw_uniforms, layer)};
+
+static const member pack_members[] = {CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera),
+                                      ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
+                                      VALUE("dgb_pack_separation", dgb_pack_uniforms, separation),
+                                      VALUE("dgb_pack_size", dgb_pack_uniforms, size)};
+
+static const member ao_members[] = {
+    CAMERA("dgb_ao_camera", dgb_ao_uniforms, camera), VALUE("dgb_ao_size", dgb_ao_uniforms, size),
+    VALUE("dgb_ao_level", dgb_ao_uniforms, level),    VALUE("dgb_ao_radius", dgb_ao_uniforms, radius),
+    VALUE("dgb_ao_scale", dgb_ao_uniforms, scale),    ARRAY("dgb_ao_taps", dgb_ao_uniforms, taps)};
+
+static const member gather_members[] = {CAMERA("dgb_gather_camera", dgb_gather_uniforms, camera),
+                                        VALUE("dgb_gather_size", dgb_gather_uniforms, size),
+                                        VALUE("dgb_gather_level", dgb_gather_uniforms, level),
+                                        VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
+                                        ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
+
+static const member reconstruct_members[] = {
+    CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),
+    VALUE("dgb_reconstruct_rect", dgb_reconstruct_uniforms, rect),
+    VALUE("dgb_reconstruct_axis", dgb_reconstruct_uniforms, axis),
+    VALUE("dgb_reconstruct_sharpness", dgb_reconstruct_uniforms, sharpness),
+    ARRAY("dgb_reconstruct_weights", dgb_reconstruct_uniforms, weights)};
+
+typedef struct block {
+    const char* name;
+    size_t size;
+    const member* members;
+    int count;
+} block;
+
+#define BLOCK(pass)                                                           \
+    {                                                                         \
+        "dgb_" #pass "_block", sizeof(dgb_##pass##_uniforms), pass##_members, \
+            (int)(sizeof pass##_members / sizeof(member))                     \
+    }
+
+static const block draw_block = BLOCK(draw);
+
+static const block* block_of(dgb_pass_id pass) {
+    static const block blocks[] = {BLOCK(pack), BLOCK(ao), BLOCK(gather), BLOCK(reconstruct)};
+    switch (pass) {
+    case DGB_PASS_PACK: return &blocks[0];
+    case DGB_PASS_AO: return &blocks[1];
+    case DGB_PASS_GATHER: return &blocks[2];
+    case DGB_PASS_RECONSTRUCT: return &blocks[3];
+    default: return NULL; /* the MIP pass has no block */
+    }
+}
+
+static GLint uniform_property(GLuint program, GLuint index, GLenum property) {
+    GLint value = -1;
+    glGetActiveUniformsiv(program, 1, &index, property, &value);
+    return value;
+}
+
+static GLint block_property(GLuint program, GLuint index, GLenum property) {
+    GLint value = -1;
+    glGetActiveUniformBlockiv(program, index, property, &value);
+    return value;
+}
+
+static void check_block(GLuint program, const block* expected) {
+    const GLuint index = glGetUniformBlockIndex(program, expected->name);
+    int i;
+    assert_true(index != GL_INVALID_INDEX);
+    assert_int_equal(block_property(program, index, GL_UNIFORM_BLOCK_DATA_SIZE), (GLint)expected->size);
+    /* a member that the table lacks would show here */
+    assert_int_equal(block_property(program, index, GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS), expected->count);
+    for (i = 0; i < expected->count; ++i) {
+        const member* m = &expected->members[i];
+        GLuint uniform = GL_INVALID_INDEX;
+        glGetUniformIndices(program, 1, &m->name, &uniform);
+        if (uniform == GL_INVALID_INDEX) print_error("no %s\n", m->name);
+        assert_true(uniform != GL_INVALID_INDEX);
+        assert_int_equal(uniform_property(program, uniform, GL_UNIFORM_BLOCK_INDEX), (GLint)index);
+        assert_int_equal(uniform_property(program, uniform, GL_UNIFORM_OFFSET), (GLint)m->offset);
+        assert_int_equal(uniform_property(program, uniform, GL_UNIFORM_ARRAY_STRIDE), (GLint)m->stride);
+    }
+}
+
+static dgb_desc desc_of(int layers) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = 64;
+    d.height = 48;
+    d.layers = layers;
+    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
+    return d;
+}
+
+/* Checks every program of a context; seen counts them by pass. */
+static void check_programs(const dgb_desc* d, int seen[DGB_PASS_COUNT]) {
+    dgb_context c;
+    int i;
+    assert_int_equal(dgb_init(&c, d), DGB_OK);
+    for (i = 0; i < c.plan.program_count; ++i) {
+        const block* expected = block_of(c.plan.programs[i].pass);
+        const GLuint program = (GLuint)c.programs[i].id;
+        GLint blocks = -1;
+        glGetProgramiv(program, GL_ACTIVE_UNIFORM_BLOCKS, &blocks);
+        assert_int_equal(blocks, expected ? 1 : 0);
+        if (expected) check_block(program, expected);
+        ++seen[c.plan.programs[i].pass];
+    }
+    dgb_shutdown(&c);
+}
+
+static void test_passes(void** state) {
+    int layers, normals, effects, pass, seen[DGB_PASS_COUNT] = {0};
+    (void)state;
+    for (layers = 1; layers <= 2; ++layers)
+        for (effects = 1; effects <= 3; ++effects) {
+            dgb_desc d = desc_of(layers);
+            d.effects = (uint32_t)effects;
+            d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
+            check_programs(&d, seen);
+            d.source = DGB_SOURCE_ENGINE;
+            for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
+                d.normals = (dgb_normals)normals;
+                check_programs(&d, seen);
+            }
+        }
+    for (pass = DGB_PASS_PACK; pass < DGB_PASS_COUNT; ++pass) assert_true(seen[pass] > 0);
+}
+
+static void test_material(void** state) {
+    static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_GEOMETRY,
+                                             DGB_EMISSION_VERTEX};
+    int layers, i;
+    (void)state;
+    for (layers = 1; layers <= 2; ++layers)
+        for (i = 0; i < 3; ++i) {
+            dgb_desc d = desc_of(layers);
+            dgb_context c;
+            GLuint program;
+            d.emission = emissions[i];
+            assert_int_equal(dgb_init(&c, &d), DGB_OK);
+            program = fixture_program(&c);
+            assert_true(program != 0);
+            check_block(program, &draw_block);
+            glDeleteProgram(program);
+            dgb_shutdown(&c);
+        }
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_passes),
+        cmocka_unit_test(test_material),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}

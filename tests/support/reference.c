@@ -1,0 +1,473 @@
+#include "reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* >> vectors */
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void subtract(const double a[3], const double b[3], double out[3]) {
+    int i;
+    for (i = 0; i < 3; ++i) out[i] = a[i] - b[i];
+}
+
+static double above_zero(double x) { return x > 0.0 ? x : 0.0; }
+
+/* >> packed input: levels, normals, positions */
+
+int reference_size(int size, int level) { return size >> level; }
+
+/* Texel p of a level copies texel 2p + (p.y & 1, p.x & 1) of the level before. */
+static void copied_from(const int p[2], int q[2]) {
+    q[0] = 2 * p[0] + (p[1] & 1);
+    q[1] = 2 * p[1] + (p[0] & 1);
+}
+
+static float* copy_level(const float* from, int width, int height, int from_width, int channels) {
+    float* to = (float*)malloc((size_t)width * (size_t)height * (size_t)channels * sizeof(float));
+    int p[2], q[2];
+    for (p[1] = 0; p[1] < height; ++p[1])
+        for (p[0] = 0; p[0] < width; ++p[0]) {
+            copied_from(p, q);
+            memcpy(to + (size_t)(p[1] * width + p[0]) * (size_t)channels,
+                   from + (size_t)(q[1] * from_width + q[0]) * (size_t)channels,
+                   (size_t)channels * sizeof(float));
+        }
+    return to;
+}
+
+static void make_chain(const reference* r, const float* level0, int channels, float* chain[DGB_MAX_LEVELS]) {
+    const size_t size = (size_t)r->width * (size_t)r->height * (size_t)channels * sizeof(float);
+    int level;
+    if (!level0) return;
+    chain[0] = (float*)malloc(size);
+    memcpy(chain[0], level0, size);
+    for (level = 1; level < r->levels; ++level)
+        chain[level] =
+            copy_level(chain[level - 1], reference_size(r->width, level), reference_size(r->height, level),
+                       reference_size(r->width, level - 1), channels);
+}
+
+void reference_open(reference* r, const dgb_context* context, const float* z, const float* normals,
+                    const float* const radiance[2]) {
+    int i;
+    memset(r, 0, sizeof *r);
+    r->width = context->plan.width;
+    r->height = context->plan.height;
+    r->layers = context->plan.layers < DGB_MAX_SHADED_LAYERS ? context->plan.layers : DGB_MAX_SHADED_LAYERS;
+    r->levels = 1;
+    while (r->levels < DGB_MAX_LEVELS && reference_size(r->width, r->levels) &&
+           reference_size(r->height, r->levels))
+        ++r->levels;
+    for (i = 0; i < 16; ++i) r->projection[i] = (double)context->projection[i];
+    r->camera = context->camera;
+    make_chain(r, z, r->layers, r->z);
+    make_chain(r, normals, 2 * r->layers, r->normals);
+    for (i = 0; i < r->layers; ++i) make_chain(r, radiance[i], 3, r->radiance[i]);
+}
+
+void reference_close(reference* r) {
+    int level;
+    for (level = 0; level < DGB_MAX_LEVELS; ++level) {
+        free(r->z[level]);
+        free(r->normals[level]);
+        free(r->radiance[0][level]);
+        free(r->radiance[1][level]);
+    }
+    memset(r, 0, sizeof *r);
+}
+
+typedef struct place { /* a texel of a level, and the pixel of level 0 that it was copied from */
+    int texel[2], level, pixel[2];
+} place;
+
+static place place_of(int x, int y) {
+    place p;
+    p.texel[0] = p.pixel[0] = x;
+    p.texel[1] = p.pixel[1] = y;
+    p.level = 0;
+    return p;
+}
+
+static size_t index_of(const reference* r, const place* p) {
+    return (size_t)p->texel[1] * (size_t)reference_size(r->width, p->level) + (size_t)p->texel[0];
+}
+
+static double z_at(const reference* r, const place* p, int layer) {
+    return (double)r->z[p->level][index_of(r, p) * (size_t)r->layers + (size_t)layer];
+}
+
+/* Octahedral map: the lower half is folded over the diagonals of the upper one. Bytes are snorm, plus 127. */
+static void normal_at(const reference* r, const place* p, int layer, double n[3]) {
+    const float* bytes = r->normals[p->level] + index_of(r, p) * (size_t)(2 * r->layers) + 2 * layer;
+    double o[2], length;
+    int i;
+    for (i = 0; i < 2; ++i) {
+        const double byte = floor((double)bytes[i] * 255.0 + 0.5);
+        n[i] = o[i] = (byte > 254.0 ? 127.0 : byte - 127.0) / 127.0;
+    }
+    n[2] = 1.0 - fabs(o[0]) - fabs(o[1]);
+    for (i = 0; i < 2 && n[2] < 0.0; ++i) n[i] = (o[i] < 0.0 ? -1.0 : 1.0) * (1.0 - fabs(o[1 - i]));
+    length = sqrt(dot(n, n));
+    for (i = 0; i < 3; ++i) n[i] /= length;
+}
+
+/* The point that projects to a pixel's centre at camera z: x p_x + z p_z + p_1 = ndc (z w_z + w_1). */
+static void point_at(const reference* r, const int pixel[2], double z, double point[3]) {
+    const double* p = r->projection;
+    const double w = p[11] * z + p[15], size[2] = {r->width, r->height};
+    int axis;
+    for (axis = 0; axis < 2; ++axis) {
+        const double ndc = 2.0 * (pixel[axis] + 0.5) / size[axis] - 1.0;
+        point[axis] = (ndc * w - p[8 + axis] * z - p[12 + axis]) / p[5 * axis];
+    }
+    point[2] = z;
+}
+
+/* What floats may be off in a point at z: a few roundings of numbers as large as the frustum is there. */
+static double point_error(const reference* r, double z) {
+    const double* p = r->projection;
+    const double w = fabs(p[11] * z) + fabs(p[15]);
+    const double x = (w + fabs(p[8] * z) + fabs(p[12])) / fabs(p[0]),
+                 y = (w + fabs(p[9] * z) + fabs(p[13])) / fabs(p[5]);
+    return REFERENCE_EPSILON * (x + y);
+}
+
+/* >> taps: float arithmetic, operation for operation */
+
+static int level_of(float h, int log2_q, int min_level, int max_level) {
+    int exponent, level;
+    (void)frexpf(h, &exponent); /* h = m 2^exponent, m in [0.5, 1) */
+    level = exponent - 1 - log2_q;
+    return level < min_level ? min_level : level > max_level ? max_level : level;
+}
+
+static int clamped_pixel(float position, int size) {
+    const float last = (float)(size - 1);
+    return (int)(position < 0.0f ? 0.0f : position > last ? last : position);
+}
+
+static place tap_place(const reference* r, int x, int y, int i, int count, float reach, int log2_q,
+                       int min_level) {
+    float tap[3], turn[2], h, c, s;
+    int hash = dgb_pixel_hash(x, y, 0), last = r->levels - 1, axis, step;
+    const int size[2] = {r->width, r->height};
+    place p;
+    dgb_spiral_tap(i, count, tap);
+    dgb_rotation(hash, turn);
+    c = tap[0] * turn[0] - tap[1] * turn[1];
+    s = tap[0] * turn[1] + tap[1] * turn[0];
+    h = reach * tap[2];
+    h = h > 0.75f ? h : 0.75f;
+    p.level = level_of(h, log2_q, min_level < last ? min_level : last, last);
+    p.texel[0] = clamped_pixel((float)x + 0.5f + h * c, r->width) >> p.level;
+    p.texel[1] = clamped_pixel((float)y + 0.5f + h * s, r->height) >> p.level;
+    for (axis = 0; axis < 2; ++axis) {
+        const int end = reference_size(size[axis], p.level) - 1;
+        if (p.texel[axis] > end) p.texel[axis] = end;
+        p.pixel[axis] = p.texel[axis];
+    }
+    for (step = 0; step < p.level; ++step) {
+        const int q[2] = {p.pixel[0], p.pixel[1]};
+        copied_from(q, p.pixel);
+    }
+    return p;
+}
+
+/* Radius of the spiral: no farther than the buffer's diagonal. */
+static float reach_of(const reference* r, double z, float radius) {
+    const float w = (float)r->width, h = (float)r->height, diagonal = sqrtf(w * w + h * h);
+    const float reach = dgb_pixels_per_metre((float)z, &r->camera) * radius;
+    return reach < diagonal ? reach : diagonal;
+}
+
+/* >> ambient occlusion */
+
+/* Equation 2, and what floats may be off in it. */
+static double occlusion_term(const double v[3], const double n[3], const dgb_params* q, double v_error,
+                             double* error) {
+    const double r = (double)q->ao_radius, d2 = dot(v, v), length = sqrt(d2 + (double)q->ao_epsilon * r * r);
+    const double falloff = 1.0 - d2 / (r * r), cosine = (dot(v, n) - (double)q->ao_bias * r) / length;
+    const double falloff_error = 2.0 * sqrt(d2) * v_error / (r * r) + 4.0 * REFERENCE_EPSILON;
+    const double cosine_error = 2.0 * v_error / length + 4.0 * REFERENCE_EPSILON;
+    const bool nothing = falloff < -falloff_error || cosine < -cosine_error;
+    *error = nothing ? 0.0 : falloff_error + cosine_error;
+    return above_zero(falloff) * above_zero(cosine);
+}
+
+/* The stronger of the layers under a tap. */
+static double occlusion_tap(const reference* r, const dgb_params* q, const place* tap, const double x[3],
+                            const double n[3], double* error) {
+    double best = 0.0;
+    int layer;
+    *error = 0.0;
+    for (layer = 0; layer < r->layers; ++layer) {
+        const double z = z_at(r, tap, layer);
+        double y[3], v[3], term, term_error;
+        if (z == 0.0) continue;
+        point_at(r, tap->pixel, z, y);
+        subtract(y, x, v);
+        term = occlusion_term(v, n, q, point_error(r, z) + point_error(r, x[2]), &term_error);
+        best = term > best ? term : best;
+        *error = term_error > *error ? term_error : *error;
+    }
+    return best;
+}
+
+reference_ao reference_occlusion(const reference* r, const dgb_params* q, int x, int y) {
+    const place here = place_of(x, y);
+    const double z = z_at(r, &here, 0);
+    reference_ao ao;
+    double point[3], n[3], error;
+    int i;
+    memset(&ao, 0, sizeof ao);
+    ao.empty = z == 0.0;
+    if (ao.empty) return ao;
+    ao.reach = (double)reach_of(r, z, q->ao_radius);
+    point_at(r, here.pixel, z, point);
+    normal_at(r, &here, 0, n);
+    for (i = 0; i < q->ao_samples; ++i) {
+        const place tap =
+            tap_place(r, x, y, i, q->ao_samples, (float)ao.reach, DGB_AO_LOG2_Q, q->ao_min_level);
+        if (tap.pixel[0] == x && tap.pixel[1] == y) continue;
+        ao.sum += occlusion_tap(r, q, &tap, point, n, &error);
+        ao.error += error;
+    }
+    return ao;
+}
+
+/* Equation 1, faded out where the radius covers less than three pixels. */
+double reference_visibility(const reference_ao* ao, const dgb_params* q, double sum) {
+    const double open = above_zero(1.0 - sqrt(PI / q->ao_samples * above_zero(sum)));
+    const double weight = ao->reach <= 1.5 ? 0.0 : ao->reach >= 3.0 ? 1.0 : (ao->reach - 1.5) / 1.5;
+    return ao->empty ? 1.0 : 1.0 + (pow(open, (double)q->ao_intensity) - 1.0) * weight;
+}
+
+/* >> radiosity */
+
+typedef struct sender {   /* one surface under a tap */
+    double cosine, error; /* 0: sends nothing */
+    double light[3];      /* radiance */
+    double strength;      /* sum of radiance times cosine */
+    bool doubtful;        /* in the receiver's plane: adds no light, but may count */
+    bool unsure;          /* rounding decides about light that matters */
+} sender;
+
+/* Whether the cosine counts (Equations 4 and 5), with the three comparisons that rounding may turn. */
+static void judge_sender(sender* s, const double v[3], const double n_x[3], const double n_y[3],
+                         const dgb_params* q, double v_error) {
+    const double d2 = dot(v, v), length = sqrt(d2), r2 = (double)q->radius * (double)q->radius;
+    const double slack = 2.0 * v_error + 4.0 * REFERENCE_EPSILON * length, facing = dot(v, n_y),
+                 ahead = dot(v, n_x);
+    const double d2_slack = 2.0 * length * v_error + 4.0 * REFERENCE_EPSILON * d2;
+    /* with one normal for both the same number cannot be above and below 0 */
+    const bool same = n_x[0] == n_y[0] && n_x[1] == n_y[1] && n_x[2] == n_y[2];
+    const bool out_surely =
+        d2 > r2 + d2_slack || ahead < -slack || (q->normal_test && (same || facing > slack));
+    const bool in_surely = d2 < r2 - d2_slack && ahead > slack && (!q->normal_test || facing < -slack);
+    if (out_surely || length == 0.0) return;
+    s->cosine = above_zero(ahead / length);
+    s->error = 2.0 * slack / length;
+    s->doubtful = !in_surely && ahead <= slack;
+    s->unsure = !in_surely && !s->doubtful;
+}
+
+static sender sender_at(const reference* r, const dgb_params* q, const place* tap, int layer,
+                        const double x[3], const double n_x[3]) {
+    const double z = z_at(r, tap, layer);
+    const float* b = r->radiance[layer][tap->level] + index_of(r, tap) * 3;
+    sender s;
+    double y[3], v[3], n_y[3];
+    int i;
+    memset(&s, 0, sizeof s);
+    if (z == 0.0) return s;
+    point_at(r, tap->pixel, z, y);
+    subtract(y, x, v);
+    normal_at(r, tap, layer, n_y);
+    judge_sender(&s, v, n_x, n_y, q, point_error(r, z) + point_error(r, x[2]));
+    for (i = 0; i < 3; ++i) {
+        s.light[i] = (double)b[i];
+        s.strength += s.light[i] * s.cosine;
+    }
+    return s;
+}
+
+typedef struct gathered { /* sums over all senders */
+    double light[3], light_error[3], cosines, cosines_error;
+    int count, doubtful, taps, doubtful_taps;
+    bool unsure;
+} gathered;
+
+static void add_sender(gathered* g, const sender* s) {
+    int i;
+    for (i = 0; i < 3; ++i) {
+        g->light[i] += s->doubtful ? 0.0 : s->light[i] * s->cosine;
+        g->light_error[i] += s->light[i] * (s->doubtful ? s->cosine + s->error : s->error);
+    }
+    g->cosines += s->doubtful ? 0.0 : s->cosine;
+    g->cosines_error += s->doubtful ? s->cosine + s->error : s->error;
+    g->count += !s->doubtful && s->cosine > 0.0;
+    g->doubtful += s->doubtful;
+    g->unsure = g->unsure || s->unsure;
+}
+
+/* Of two surfaces the one that sends more; a doubtful one loses against a sure one. */
+static const sender* stronger(const sender* a, const sender* b) {
+    if (a->doubtful != b->doubtful && a->cosine + a->error > 0.0 && b->cosine + b->error > 0.0)
+        return a->doubtful ? b : a;
+    if (b->cosine + b->error == 0.0) return a;
+    return a->cosine + a->error > 0.0 && a->strength >= b->strength ? a : b;
+}
+
+static void add_tap(gathered* g, const sender* senders, int layers, dgb_senders rule) {
+    bool sure = false, doubtful = false;
+    int layer;
+    for (layer = 0; layer < layers; ++layer) {
+        sure = sure || (senders[layer].cosine > 0.0 && !senders[layer].doubtful);
+        doubtful = doubtful || senders[layer].doubtful;
+    }
+    g->taps += sure;
+    g->doubtful_taps += doubtful && !sure;
+    if (layers > 1 && rule == DGB_SENDERS_STRONGEST) {
+        add_sender(g, stronger(&senders[0], &senders[1]));
+        return;
+    }
+    for (layer = 0; layer < layers; ++layer) add_sender(g, &senders[layer]);
+}
+
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* E = pi sum(B cos) / max(k sum(cos), M / 2): lowest with every doubtful sender counted, highest with
+   none. */
+static void normalise(const gathered* g, const dgb_params* q, dgb_normaliser normaliser, reference_light* e) {
+    const double k = normaliser == DGB_NORMALISER_BOUNDED ? 1.0 : 0.0, rounding = 16.0 * REFERENCE_EPSILON;
+    const double most = larger(k * (g->cosines + g->cosines_error), 0.5 * (g->count + g->doubtful));
+    const double least = larger(k * (g->cosines - g->cosines_error), 0.5 * (g->count ? g->count : 1));
+    int i;
+    for (i = 0; i < 3 && g->count + g->doubtful; ++i) {
+        e->low[i] = above_zero(PI * (g->light[i] - g->light_error[i]) / most * (1.0 - rounding));
+        e->high[i] = PI * (g->light[i] + g->light_error[i]) / least * (1.0 + rounding);
+        e->low[i] = e->low[i] < (double)DGB_MAX_RADIANCE ? e->low[i] : (double)DGB_MAX_RADIANCE;
+        e->high[i] = e->high[i] < (double)DGB_MAX_RADIANCE ? e->high[i] : (double)DGB_MAX_RADIANCE;
+    }
+    e->low_confidence = (double)g->taps / q->samples;
+    e->high_confidence = (double)(g->taps + g->doubtful_taps) / q->samples;
+    e->doubtful = g->doubtful;
+    e->unsure = g->unsure;
+}
+
+reference_light reference_irradiance(const reference* r, const dgb_params* q, dgb_senders senders,
+                                     dgb_normaliser normaliser, int x, int y) {
+    const place here = place_of(x, y);
+    const double z = z_at(r, &here, 0);
+    reference_light e;
+    gathered g;
+    double point[3], n[3];
+    int i, layer;
+    memset(&e, 0, sizeof e);
+    memset(&g, 0, sizeof g);
+    if (z == 0.0) return e;
+    point_at(r, here.pixel, z, point);
+    normal_at(r, &here, 0, n);
+    for (i = 0; i < q->samples; ++i) {
+        const place tap =
+            tap_place(r, x, y, i, q->samples, reach_of(r, z, q->radius), DGB_GATHER_LOG2_Q, q->min_level);
+        sender under[2];
+        if (tap.pixel[0] == x && tap.pixel[1] == y) continue;
+        for (layer = 0; layer < r->layers; ++layer) under[layer] = sender_at(r, q, &tap, layer, point, n);
+        add_tap(&g, under, r->layers, senders);
+    }
+    normalise(&g, q, normaliser, &e);
+    return e;
+}
+
+/* >> reconstruction */
+
+/* Product of normal and plane weight, and what floats may be off in it. */
+static double bilateral(const reference* r, const dgb_params* q, const place* a, const place* b,
+                        double* error) {
+    const double z_a = z_at(r, a, 0), z_b = z_at(r, b, 0),
+                 v_error = point_error(r, z_a) + point_error(r, z_b);
+    double x[3], y[3], dq[3], n[3], n2[3], length, off, normal, plane, plane_error;
+    point_at(r, a->pixel, z_a, x);
+    point_at(r, b->pixel, z_b, y);
+    subtract(y, x, dq);
+    normal_at(r, a, 0, n);
+    normal_at(r, b, 0, n2);
+    length = sqrt(dot(dq, dq));
+    off = larger(fabs(dot(dq, n)), fabs(dot(dq, n2)));
+    normal = above_zero(1.0 - (double)q->normal_sharpness * (1.0 - dot(n, n2)));
+    plane = length > 0.0 ? above_zero(1.0 - (double)q->plane_sharpness * off / length) : 1.0;
+    plane_error =
+        length > 0.0 ? (double)q->plane_sharpness * (2.0 * v_error / length + 4.0 * REFERENCE_EPSILON) : 0.0;
+    *error = (2.0 * plane + plane_error) * plane_error +
+             8.0 * REFERENCE_EPSILON * (double)q->normal_sharpness * plane;
+    return normal * plane * plane;
+}
+
+typedef struct neighbour { /* one tap of the filter */
+    double weight, error;
+    const float* texel;
+} neighbour;
+
+/* Gaussian of half the radius as standard deviation; empty or unshaded texels weigh nothing. */
+static neighbour neighbour_at(const reference* r, const dgb_params* q, const place* here, int axis, int i,
+                              const int rect[4]) {
+    const int side = q->filter_taps / 2;
+    const double sigma = 0.5 * side;
+    const int step = i * q->filter_step;
+    const place there =
+        place_of(here->pixel[0] + (axis == 0 ? step : 0), here->pixel[1] + (axis == 1 ? step : 0));
+    neighbour n = {0.0, 0.0, NULL};
+    double spatial;
+    if (there.pixel[0] < rect[0] || there.pixel[1] < rect[1] || there.pixel[0] > rect[2] ||
+        there.pixel[1] > rect[3])
+        return n;
+    if (z_at(r, &there, 0) == 0.0) return n;
+    spatial = exp(-0.5 * i * i / (sigma * sigma));
+    n.weight = spatial * bilateral(r, q, here, &there, &n.error);
+    n.error *= spatial;
+    return n;
+}
+
+/* All taps of one direction; the centre weighs 1. Returns how many. */
+static int neighbours_of(const reference* r, const dgb_params* q, const place* here, int axis,
+                         const int rect[4], const float* image, int channels,
+                         neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1]) {
+    const int side = z_at(r, here, 0) == 0.0 ? 0 : q->filter_taps / 2, stride = axis == 0 ? 1 : r->width;
+    const int centre = here->pixel[1] * r->width + here->pixel[0];
+    int i;
+    for (i = -side; i <= side; ++i) {
+        neighbour* tap = &taps[i + side];
+        *tap = neighbour_at(r, q, here, axis, i, rect);
+        if (i == 0) tap->weight = 1.0, tap->error = 0.0;
+        if (tap->weight > 0.0 || tap->error > 0.0)
+            tap->texel = image + (centre + i * q->filter_step * stride) * channels;
+    }
+    return 2 * side + 1;
+}
+
+reference_filtered reference_reconstruct(const reference* r, const dgb_params* q, int axis, const int rect[4],
+                                         const float* image, int channels, int x, int y) {
+    const place here = place_of(x, y);
+    neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1] = {{0.0, 0.0, NULL}};
+    const int count = neighbours_of(r, q, &here, axis, rect, image, channels, taps);
+    reference_filtered out;
+    double total = 0.0;
+    int i, c;
+    memset(&out, 0, sizeof out);
+    for (i = 0; i < count; ++i) total += taps[i].weight;
+    for (c = 0; c < channels; ++c) {
+        for (i = 0; i < count; ++i)
+            if (taps[i].texel) out.value[c] += taps[i].weight * (double)taps[i].texel[c] / total;
+        out.error[c] = 16.0 * REFERENCE_EPSILON * fabs(out.value[c]);
+        for (i = 0; i < count; ++i)
+            if (taps[i].texel)
+                out.error[c] += taps[i].error * fabs((double)taps[i].texel[c] - out.value[c]) / total;
+    }
+    return out;
+}
