@@ -139,6 +139,7 @@ extern "C" {
 #define DGB_MIN_RADIUS 1e-15f      /* metres; of occlusion and bounced light */
 #define DGB_MAX_RADIUS 1e14f
 #define DGB_MAX_RADIANCE 64512.0f  /* largest value of the 10-bit float, the narrowest channel stored to */
+#define DGB_MIN_COSINE 0.017f      /* light that grazes a receiver within the error of an Oct16 normal is not counted */
 #define DGB_ROTATION_COUNT 256     /* rotations of the spiral */
 #define DGB_AO_LOG2_Q 3            /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
 #define DGB_GATHER_LOG2_Q 4        /* radiosity taps within 2^4 = 16 pixels read level 0 */
@@ -415,7 +416,8 @@ DGB_API float dgb_ao_term(const float v[3], const float n[3], float inv_r2, floa
 /* Ambient visibility from the sum of the taps' terms: max(0, 1 - sqrt(pi / count * sum)). Paper, Equation 1. */
 DGB_API float dgb_ambient_visibility(float sum, int count);
 /* Cosine of the light that a surface at offset v with normal n_y sends to a point with normal n_x; 0 when it sends none:
-   farther than the radius, behind the receiver, or (normal_test) facing away. Paper, Equations 4 and 5. */
+   farther than the radius, behind the receiver or in its plane (DGB_MIN_COSINE: there rounding would decide what counts),
+   or (normal_test) facing away. Paper, Equations 4 and 5. */
 DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test);
 /* Irradiance scale: pi / max(sum_cos * k, count / 2), 0 for count = 0; k = 1 bounded, 0 the paper's Equation 4. */
 DGB_API float dgb_gather_scale(float sum_cos, int count, float k);
@@ -1044,7 +1046,7 @@ DGB_API float dgb_ambient_visibility(float sum, int count) {
 DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test) {
     const float d2     = dgbi_dot(v, v);
     const float cosine = d2 > 0.0f ? dgbi_dot(v, n_x) / sqrtf(d2) : 0.0f;
-    if (!dgbi_is_finite(cosine) || !(d2 <= r2) || !(cosine > 0.0f)) return 0.0f;
+    if (!dgbi_is_finite(cosine) || !(d2 <= r2) || !(cosine > DGB_MIN_COSINE)) return 0.0f;
     if (normal_test && !(dgbi_dot(v, n_y) < 0.0f)) return 0.0f;
     return cosine;
 }

@@ -297,6 +297,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "const float DGB_PI           = 3.14159265358979;\n"
     "const float DGB_MAX_RADIANCE = 64512.0;\n"
     "const float DGB_MAX_DISTANCE = 1e15;\n"
+    "const float DGB_MIN_COSINE   = 0.017;\n"
     "\n"
     "struct dgb_camera {\n"
     "    vec4 linearise;\n"
@@ -385,10 +386,10 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "float dgb_gather_term(vec3 v, vec3 n_x, float r2) {\n"
     "    float d2     = dot(v, v);\n"
     "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
-    "    return d2 <= r2 && cosine > 0.0 ? cosine : 0.0;\n"
+    "    return d2 <= r2 && cosine > DGB_MIN_COSINE ? cosine : 0.0;\n"
     "}\n"
-    "\n"
-    "float dgb_gather_scale(float sum_cos, float count, float k) {\n",
+    "\n",
+    "float dgb_gather_scale(float sum_cos, float count, float k) {\n"
     "    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;\n"
     "}\n"
     "\n"
@@ -1459,6 +1460,11 @@ static void dgbgli_texture_destroy(void* user, dgb_texture texture) {
     int                i;
     for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i)
         if (dgbgli_framebuffer_uses(b, i, texture)) dgbgli_drop_framebuffer(b, i);
+    /* GL takes a deleted texture off its units, and so must the saved state: else it would bind a dead name */
+    for (i = 0; i <= DGBGL_MAX_UNITS; ++i) {
+        if (b->state.textures_2d[i] == (int)name) b->state.textures_2d[i] = 0;
+        if (b->state.textures_array[i] == (int)name) b->state.textures_array[i] = 0;
+    }
     b->gl.DeleteTextures(1, &name);
 }
 

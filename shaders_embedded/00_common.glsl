@@ -5,6 +5,7 @@
 const float DGB_PI           = 3.14159265358979;
 const float DGB_MAX_RADIANCE = 64512.0;
 const float DGB_MAX_DISTANCE = 1e15;
+const float DGB_MIN_COSINE   = 0.017;
 
 struct dgb_camera {
     vec4 linearise;
@@ -93,7 +94,7 @@ float dgb_ambient_visibility(float sum, float pi_over_count) {
 float dgb_gather_term(vec3 v, vec3 n_x, float r2) {
     float d2     = dot(v, v);
     float cosine = dot(v, n_x) * inversesqrt(d2);
-    return d2 <= r2 && cosine > 0.0 ? cosine : 0.0;
+    return d2 <= r2 && cosine > DGB_MIN_COSINE ? cosine : 0.0;
 }
 
 float dgb_gather_scale(float sum_cos, float count, float k) {

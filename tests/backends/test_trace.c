@@ -1105,7 +1105,7 @@ static void check_finite_uniforms(float ao_radius, float radius) {
         if (!all_finite(record_uniforms_of(&f.r, DGB_PASS_AO, 0)->u.ao.radius) ||
             !all_finite(record_uniforms_of(&f.r, DGB_PASS_GATHER, 0)->u.gather.radius))
             fail_msg("ao_radius %g, radius %g: a uniform is not finite", (double)ao_radius, (double)radius);
-    } else if (ao_radius <= 1e15f && radius <= 1e15f) {
+    } else if (ao_radius <= DGB_MAX_RADIUS && radius <= DGB_MAX_RADIUS) {
         fail_msg("ao_radius %g, radius %g: refused", (double)ao_radius, (double)radius);
     }
     stop(&f);

@@ -58,7 +58,7 @@ exported()        { symbols -g --defined-only | awk '{ print $3 }' | only "$1"; 
 no_mutable_data() { symbols | awk '$(NF - 1) ~ /[BbCDdSs]/ { print }' | only ''; }
 imported()        { symbols -u | awk '{ print $2 }' | only "$libc"; }
 
-libc='mem(cpy|set|move|cmp)|str(len|cmp|ncmp|str|chr)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail'
+libc='mem(cpy|set|move|cmp)|str(len|cmp|ncmp|str|chr)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail'
 libc="$libc|(sqrt|sin|cos|tan|asin|acos|atan|atan2|floor|ceil|fabs|pow|exp|exp2|log|log2|fmin|fmax|fmod|ldexp|frexp|round)f?"
 
 {
@@ -70,13 +70,13 @@ libc="$libc|(sqrt|sin|cos|tan|asin|acos|atan|atan2|floor|ceil|fabs|pow|exp|exp2|
     attempt "the core becomes an object file"   $cc -DDEEPGBUFFER_IMPLEMENTATION -x c deepgbuffer.h
     attempt "the core exports dgb_ only"        exported 'dgb_.*'
     attempt "the core has no mutable global"    no_mutable_data
-    attempt "the core needs libc's math, mem* and str* only" imported
+    attempt "the core needs libc's math, mem*, str* and assert only" imported
 
     # shellcheck disable=SC2086
     attempt "both become an object file"        $cc $here/implementation.c
     attempt "both export dgb_ and dgbgl_ only"  exported '(dgb|dgbgl)_.*'
     attempt "both have no mutable global"       no_mutable_data
-    attempt "both need libc's math, mem* and str* only" imported
+    attempt "both need libc's math, mem*, str* and assert only" imported
 } | tee -a "$dir/all.tap"
 
 echo "1..$(grep -cE '^(not )?ok' "$dir/all.tap")"

@@ -262,7 +262,7 @@ static void judge_sender(sender* s, const double v[3], const double n_x[3], cons
                          const dgb_params* q, double v_error) {
     const double d2 = dot(v, v), length = sqrt(d2), r2 = (double)q->radius * (double)q->radius;
     const double slack = 2.0 * v_error + 4.0 * REFERENCE_EPSILON * length, facing = dot(v, n_y),
-                 ahead = dot(v, n_x);
+                 ahead = dot(v, n_x) - (double)DGB_MIN_COSINE * length;
     const double d2_slack = 2.0 * length * v_error + 4.0 * REFERENCE_EPSILON * d2;
     /* with one normal for both the same number cannot be above and below 0 */
     const bool same = n_x[0] == n_y[0] && n_x[1] == n_y[1] && n_x[2] == n_y[2];
@@ -270,7 +270,7 @@ static void judge_sender(sender* s, const double v[3], const double n_x[3], cons
         d2 > r2 + d2_slack || ahead < -slack || (q->normal_test && (same || facing > slack));
     const bool in_surely = d2 < r2 - d2_slack && ahead > slack && (!q->normal_test || facing < -slack);
     if (out_surely || length == 0.0) return;
-    s->cosine = above_zero(ahead / length);
+    s->cosine = above_zero(dot(v, n_x) / length);
     s->error = 2.0 * slack / length;
     s->doubtful = !in_surely && ahead <= slack;
     s->unsure = !in_surely && !s->doubtful;

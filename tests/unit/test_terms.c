@@ -329,10 +329,10 @@ static void test_gather_term(void** state) {
         d2 = dot(v, v);
         cosine = dot(v, n_x) / sqrtl(d2);
         away = dot(v, n_y) / sqrtl(d2);
-        if (fabsl(d2 / r2 - 1.0L) < 1e-5L || fabsl(cosine) < 1e-5L || fabsl(away) < 1e-5L)
+        if (fabsl(d2 / r2 - 1.0L) < 1e-5L || fabsl(cosine - DGB_MIN_COSINE) < 1e-5L || fabsl(away) < 1e-5L)
             continue; /* on an edge */
         term = dgb_gather_term(v, n_x, n_y, r2, test);
-        sends = d2 < r2 && cosine > 0.0L && (!test || away < 0.0L);
+        sends = d2 < r2 && cosine > DGB_MIN_COSINE && (!test || away < 0.0L);
         lit += sends;
         if (!is_finite(term) || fabsl(term - (sends ? cosine : 0.0L)) > 1e-6L)
             fail_msg("v (%g, %g, %g), r %g, test %d: %.9g, cosine %.9Lg", (double)v[0], (double)v[1],
