@@ -34,7 +34,7 @@
 
    CONVENTIONS
        Camera space is right-handed and looks down -Z; lengths are metres (any unit will do if you use it everywhere).
-       z is negative in front of the eye; z = 0 marks an empty texel (no surface). Distance means -z.
+       z is negative in front of the eye; functions give and take z = 0 for "no surface". Distance means -z.
        Matrices are float[16], column-major; vectors are columns. Pixels count from the lower left; centres are at +0.5.
        The projection is that of the image *without* guard band and without jitter; its clip-space z range and direction
        are stated once in the desc. Off-centre, orthographic, reversed and infinite projections are fine; oblique
@@ -136,6 +136,7 @@ extern "C" {
 #define DGB_MAX_LEVELS 6           /* levels of the packed MIP chain, level 0 included */
 #define DGB_MAX_FILTER_RADIUS 12   /* reconstruction taps on one side of the centre */
 #define DGB_MAX_DISTANCE 1e15f     /* metres; farther is sky */
+#define DGB_EMPTY_Z (-1e15f)       /* what DGB_Z holds where there is no surface: so far away that it reaches nothing */
 #define DGB_MIN_RADIUS 1e-15f      /* metres; of occlusion and bounced light */
 #define DGB_MAX_RADIUS 1e14f
 #define DGB_MAX_RADIANCE 64512.0f  /* largest value of the 10-bit float, the narrowest channel stored to */
@@ -297,7 +298,7 @@ typedef enum dgb_format {
     X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                         \
     X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                         \
     /* packed shading input, with MIP levels */                                         \
-    X(DGB_Z, "z")             /* camera z of both layers, 0 where empty */              \
+    X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */              \
     X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                \
     X(DGB_B0, "b0")           /* radiance of layer 0 */                                 \
     X(DGB_B1, "b1")           /* radiance of layer 1 */                                 \
@@ -1843,7 +1844,7 @@ static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_u
     u->radius[0] = q->ao_radius;
     u->radius[1] = 1.0f / (q->ao_radius * q->ao_radius);
     u->radius[2] = q->ao_bias * q->ao_radius;
-    u->radius[3] = q->ao_epsilon * (q->ao_radius * q->ao_radius);
+    u->radius[3] = (q->ao_epsilon > 1e-12f ? q->ao_epsilon : 1e-12f) * (q->ao_radius * q->ao_radius); /* never 0 / 0 */
     u->scale[0]  = (float)(DGBI_PI / q->ao_samples);
     u->scale[1]  = q->ao_intensity;
     u->scale[2]  = dgbi_max_reach(c);

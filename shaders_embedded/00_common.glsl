@@ -5,6 +5,7 @@
 const float DGB_PI           = 3.14159265358979;
 const float DGB_MAX_RADIANCE = 64512.0;
 const float DGB_MAX_DISTANCE = 1e15;
+const float DGB_EMPTY_Z      = -1e15; // packed z of no surface: so far away that it reaches nothing
 const float DGB_MIN_COSINE   = 0.017;
 
 struct dgb_camera {
@@ -76,15 +77,17 @@ float dgb_pixels_per_metre(float z, dgb_camera camera) {
 
 bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }
 
-// The square, so that the larger of two layers is known before a root is taken.
+// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the
+// passes guarantee; dgb_ao_term below takes anything.
 float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
     float d2 = dot(v, v);
     float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(v, n) - beta, 0.0);
-    return a > 0.0 ? a * a / (d2 + epsilon) : 0.0;
+    return a * a / (d2 + epsilon);
 }
 
 float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
-    return sqrt(dgb_ao_term_squared(v, n, inv_r2, beta, epsilon));
+    float squared = dgb_ao_term_squared(v, n, inv_r2, beta, epsilon);
+    return squared > 0.0 && squared <= 1.0 ? sqrt(squared) : 0.0;
 }
 
 float dgb_ambient_visibility(float sum, float pi_over_count) {

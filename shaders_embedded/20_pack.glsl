@@ -84,12 +84,14 @@ vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {
 
 vec3 dgb_packed_radiance(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_storable(dgb_radiance_at(layer, p)) : vec3(0.0); }
 
+float dgb_packed_z(float z) { return z != 0.0 ? z : DGB_EMPTY_Z; }
+
 vec2 dgb_packed_normal(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_normal_bytes(layer, p, z) : vec2(0.0); }
 
 void main() {
     ivec2 p         = ivec2(gl_FragCoord.xy);
     float z0        = dgb_z_at(0, p);
-    dgb_out_z       = vec4(z0, 0.0, 0.0, 0.0);
+    dgb_out_z       = vec4(dgb_packed_z(z0), 0.0, 0.0, 0.0);
     dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);
 #if DGB_PACK_RADIANCE
     dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0), 1.0);
@@ -98,7 +100,7 @@ void main() {
     float z1 = dgb_z_at(1, p);
     // strict separation, against the true layer 0: a wrong guess of the oracle becomes a hole
     if (dgb_pack_separation.x >= 0.0 && !dgb_keep_test(z1, z0, dgb_pack_separation.x)) z1 = 0.0;
-    dgb_out_z.y        = z1;
+    dgb_out_z.y        = dgb_packed_z(z1);
     dgb_out_normals.zw = dgb_packed_normal(1, p, z1);
 #if DGB_PACK_RADIANCE
     dgb_out_b1 = vec4(dgb_packed_radiance(1, p, z1), 1.0);

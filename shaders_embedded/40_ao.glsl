@@ -20,7 +20,7 @@ const float DGB_AO_FADE_END   = 3.0; // and from which on the result counts in f
 // Square of the occlusion by the surface at depth z on the ray through a tap; ray_1 is relative to the shaded point's x, y.
 float dgb_occlusion_squared(vec2 ray_z, vec2 ray_1, float z, float shaded_z, vec3 n) {
     vec3 v = vec3(ray_z * z + ray_1, z - shaded_z);
-    return z != 0.0 ? dgb_ao_term_squared(v, n, dgb_ao_radius.y, dgb_ao_radius.z, dgb_ao_radius.w) : 0.0;
+    return dgb_ao_term_squared(v, n, dgb_ao_radius.y, dgb_ao_radius.z, dgb_ao_radius.w);
 }
 
 void main() {
@@ -30,7 +30,7 @@ void main() {
     vec3  n        = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
     float reach    = min(dgb_pixels_per_metre(z, dgb_ao_camera) * dgb_ao_radius.x, dgb_ao_scale.z);
     vec2  rotation = dgb_rotation(pixel, dgb_ao_size.w);
-    int   taps     = z != 0.0 && reach > DGB_AO_FADE_START ? dgb_ao_size.z : 0;
+    int   taps     = z > DGB_EMPTY_Z && reach > DGB_AO_FADE_START ? dgb_ao_size.z : 0;
     float sum      = 0.0;
     for (int i = 0; i < taps; ++i) {
         dgb_tap tap   = dgb_tap_at(dgb_ao_taps[i], rotation, reach, gl_FragCoord.xy, dgb_ao_size.xy, dgb_ao_level);

@@ -41,7 +41,7 @@ void main() {
     // the taps that lie in the shaded rectangle
     ivec2 room_before = (pixel - dgb_reconstruct_rect.xy) / max(axis, 1);
     ivec2 room_after  = (dgb_reconstruct_rect.zw - pixel) / max(axis, 1);
-    int   side        = z != 0.0 ? dgb_reconstruct_axis.z : 0;
+    int   side        = z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;
     int   first       = -min(side, axis.x > 0 ? room_before.x : room_before.y);
     int   last        = min(side, axis.x > 0 ? room_after.x : room_after.y);
 
@@ -58,7 +58,7 @@ void main() {
         vec3  ni     = dgb_oct16_decode(texelFetch(dgb_normals, p, 0).xy);
         vec3  dq     = vec3((ray_z + float(i) * step_z) * zi + (ray_1 + float(i) * step_1), zi - z);
         float weight = dgb_bilateral_weight(n, ni, dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
-        weight       = zi != 0.0 ? weight * dgb_reconstruct_weights[abs(i)].x : 0.0;
+        weight       = zi > DGB_EMPTY_Z ? weight * dgb_reconstruct_weights[abs(i)].x : 0.0;
         total += weight;
 #if DGB_FILTER_AO
         ao += weight * texelFetch(dgb_ao_raw, p, 0).x;

@@ -154,9 +154,17 @@ static GLenum format_of(int channels) {
     return formats[channels];
 }
 
+/* Packed z says DGB_EMPTY_Z where the functions, and the reference, say 0. */
+static void empty_to_zero(float* z, int count) {
+    int i;
+    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
+}
+
 static float* read_level(const shot* s, dgb_slot slot, int level) {
     const int channels = slot == DGB_Z ? s->r.layers : slot == DGB_NORMALS ? 2 * s->r.layers : 3;
-    return read_image(&s->c, slot, level, format_of(channels), channels);
+    float* image = read_image(&s->c, slot, level, format_of(channels), channels);
+    if (slot == DGB_Z) empty_to_zero(image, channels * (s->c.plan.width >> level) * (s->c.plan.height >> level));
+    return image;
 }
 
 static void read_shot(shot* s, const dgb_params* q) {
