@@ -3,8 +3,8 @@
 // and one depth layer loses the light that these bounce. Solids are closed with counter-clockwise fronts;
 // only faces buried in another solid are left out.
 //
-// A sun in direction (0.35, 0.8, 0.55) lights the long side at -Z: its columns, the lower 2 m of the drapes
-// behind them on both storeys, and a strip of the floor. A lower sun reaches further up the drapes.
+// A sun in direction (0.6, 0.6, 0.3) lights the sides at -X and -Z: their columns, the drapes behind them on
+// the gallery, and half of the court. Seen from the gallery's corner, columns and drapes hide most of that.
 #include "scene.hpp"
 
 #include <glm/gtc/constants.hpp>
@@ -295,7 +295,7 @@ void add_shell(Mesh* meshes) {
 
 void add_lamp(Mesh* meshes, vec3 center) {
     const float ceiling = kGalleryHeight - kSlabThickness;
-    add_sphere(&meshes[kLamp], center, 0.15f);
+    add_sphere(&meshes[kLamp], center, 0.35f);
     add_lathe(&meshes[kWood], center, ceiling + kEmbed - center.y, 8, 1, [](float, float) { return 0.015f; });
 }
 
@@ -359,14 +359,14 @@ std::vector<Material> make_materials() {
     materials[kWood] = matte("wood", vec3(0.36f, 0.20f, 0.10f));
     materials[kPlaster] = matte("plaster", vec3(0.85f, 0.85f, 0.85f));
     materials[kLamp] = matte("lamp", vec3(0.8f));
-    materials[kLamp].emissive = vec3(20.0f, 14.0f, 8.0f);
+    materials[kLamp].emissive = vec3(2.4f, 1.7f, 1.0f);
     return materials;
 }
 
-// At eye height in the court, looking along the sunlit side: its columns stand before the drapes.
+// On the gallery behind a drape of the short side: it hides the sunlit cloth that the columns mirror.
 Camera make_camera() {
-    const vec3 eye(-9.5f, 1.7f, -0.6f);
-    const vec3 target(1.0f, 2.9f, -6.5f);
+    const vec3 eye(-13.8f, 7.1f, 3.5f);
+    const vec3 target(-4.0f, 5.5f, -6.0f);
     Camera camera;
     camera.world = glm::inverse(glm::lookAt(eye, target, vec3(0.0f, 1.0f, 0.0f)));
     camera.vertical_fov = glm::radians(60.0f);

@@ -1,0 +1,406 @@
+// Renders a scene without a window and writes pictures of what a second layer does to it.
+//     render [SCENE] --out DIR      everything else: render --help
+// Every failure is one sentence on the standard error output and exit code 2; then no file has been written.
+#define DEEPGBUFFER_IMPLEMENTATION
+#include "deepgbuffer.h"
+#include "deepgbuffer_gl.h"
+
+#include "headless.h"
+#include "image.hpp"
+#include "render_camera.hpp"
+#include "render_options.hpp"
+#include "render_report.hpp"
+#include "scene.hpp"
+#include "scene_renderer.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <system_error>
+
+namespace {
+
+namespace fs = std::filesystem;
+using glm::vec3;
+using Floats = std::vector<float>;
+using Picture = SceneRenderer::Picture;
+
+const Sun kDefaultSun{vec3(0.6f, 0.6f, 0.3f), 6.0f};
+
+// ---- OpenGL context -------------------------------------------------------------------------------------
+
+struct Context {
+    headless handle{};
+
+    Context() = default;
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+    ~Context() { headless_destroy(&handle); }
+};
+
+bool wants_debug_context() { return std::getenv("RENDER_GL_DEBUG") != nullptr; }
+
+void print_gl_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei, const GLchar* message, const void*) {
+    if (severity != GL_DEBUG_SEVERITY_NOTIFICATION) { std::fprintf(stderr, "OpenGL: %s\n", message); }
+}
+
+void open_context(Context* context) {
+    char error[256] = "";
+    const bool debug = wants_debug_context();
+    const bool opened = headless_create(&context->handle, 4, 5, false, debug, error, sizeof error) ||
+                        headless_create(&context->handle, 3, 3, false, debug, error, sizeof error);
+    if (!opened) { throw std::runtime_error(std::string("no OpenGL 3.3 context: ") + error); }
+    if (debug && (epoxy_gl_version() >= 43 || epoxy_has_gl_extension("GL_KHR_debug"))) {
+        glEnable(GL_DEBUG_OUTPUT);
+        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+        glDebugMessageCallback(print_gl_message, nullptr);
+    }
+}
+
+// ---- Input ----------------------------------------------------------------------------------------------
+
+dgb_plan make_plan(const dgb_desc& desc) {
+    dgb_desc checked = desc;
+    checked.log = [](void* user, dgb_result, dgb_log_item, const char* sentence) {
+        *static_cast<std::string*>(user) = sentence;
+    };
+    std::string complaint;
+    checked.log_user = &complaint;
+    dgb_plan plan{};
+    if (dgb_make_plan(&checked, &plan) != DGB_OK) { throw std::runtime_error(complaint); }
+    return plan;
+}
+
+Scene load_scene(const std::string& path) {
+    Scene scene;
+    std::string error;
+    if (path.empty()) { return make_atrium(); }
+    if (!load_gltf(path, &scene, &error)) { throw std::runtime_error(error); }
+    return scene;
+}
+
+RenderCamera choose_camera(const Options& options, const Scene& scene) {
+    RenderCamera camera = options.camera           ? *options.camera
+                          : !scene.cameras.empty() ? camera_of_file(scene.cameras[0], scene)
+                                                   : framing_camera(scene, options.aspect());
+    if (options.ortho_height > 0.0f) { camera.height = options.ortho_height; }
+    if (camera.height > 0.0f && options.clip == ClipRange::reversed_infinite) {
+        throw std::runtime_error("--clip reversed-infinite needs a perspective camera");
+    }
+    set_planes(scene, &camera);
+    return camera;
+}
+
+// ---- Output ---------------------------------------------------------------------------------------------
+
+void check_file(const std::string& path) {
+    const fs::path directory = fs::path(path).parent_path();
+    std::error_code error;
+    if (fs::is_directory(path, error)) { throw std::runtime_error("\"" + path + "\" is a directory"); }
+    if (!directory.empty() && !fs::is_directory(directory, error)) {
+        throw std::runtime_error("there is no directory \"" + directory.string() + "\"");
+    }
+}
+
+// Before the work starts, so that a typing error costs no time.
+void check_outputs(const Options& options) {
+    std::error_code error;
+    for (const Dump& dump : options.dumps) { check_file(dump.file); }
+    if (!options.json.empty()) { check_file(options.json); }
+    if (!options.out.empty() && fs::exists(options.out, error) && !fs::is_directory(options.out, error)) {
+        throw std::runtime_error("\"" + options.out + "\" is not a directory");
+    }
+}
+
+void require_written(bool written, const std::string& path) {
+    if (!written) { throw std::runtime_error("cannot write \"" + path + "\""); }
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    std::FILE* file = std::fopen(path.c_str(), "wb");
+    require_written(file != nullptr, path);
+    const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    const bool closed = std::fclose(file) == 0; // a full disk may only show here
+    require_written(written && closed, path);
+}
+
+// ---- From floats to bytes -------------------------------------------------------------------------------
+
+float srgb(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+// Narkowicz's fit of the ACES filmic curve: 1 becomes 0.8, highlights roll off towards 1.
+float filmic(float x) { return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f); }
+
+uint8_t to_byte(float x) { return uint8_t(std::lround(255.0f * std::clamp(x, 0.0f, 1.0f))); }
+
+// PNG has the top row first and three channels; one channel is repeated.
+template <typename Curve> std::vector<uint8_t> to_rgb(const Floats& pixels, int width, int height, Curve curve) {
+    const size_t row = size_t(width), channels = pixels.size() / (row * size_t(height));
+    std::vector<uint8_t> rgb;
+    rgb.reserve(row * size_t(height) * 3);
+    for (size_t y = size_t(height); y-- > 0;) {
+        for (size_t x = 0; x < row; ++x) {
+            const float* pixel = &pixels[(y * row + x) * channels];
+            for (size_t c = 0; c < 3; ++c) { rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)]))); }
+        }
+    }
+    return rgb;
+}
+
+// ---- What a dump holds ----------------------------------------------------------------------------------
+
+Floats one_of_four(const Floats& rgba, size_t channel) {
+    Floats values(rgba.size() / 4);
+    for (size_t i = 0; i < values.size(); ++i) { values[i] = rgba[4 * i + channel]; }
+    return values;
+}
+
+// Colors of layer 0 or 1, black where the shading sees no surface.
+Floats layer_colors(const SceneRenderer& renderer, dgb_slot slot, int layer) {
+    Floats colors = renderer.read_texture(slot, layer, GL_RGB);
+    const Floats z = renderer.read_z(layer);
+    for (size_t i = 0; i < colors.size(); ++i) {
+        if (z[i / 3] == 0.0f) { colors[i] = 0.0f; }
+    }
+    return colors;
+}
+
+Floats dump_pixels(const SceneRenderer& r, const std::string& name) {
+    const int layer = name.back() == '1' ? 1 : 0;
+    if (name == "z0" || name == "z1") { return r.read_z(layer); }
+    if (name == "normal0" || name == "normal1") { return r.read_normals(layer); }
+    if (name == "albedo0" || name == "albedo1") { return layer_colors(r, DGB_ALBEDO, layer); }
+    if (name == "radiance0" || name == "radiance1") { return layer_colors(r, DGB_RADIANCE, layer); }
+    if (name == "ao") { return r.read_texture(DGB_AO, 0, GL_RED); }
+    if (name == "ao_raw") { return r.read_texture(DGB_AO_RAW, 0, GL_RED); }
+    if (name == "irradiance0") { return r.read_texture(DGB_IRRADIANCE, 0, GL_RGB); }
+    if (name == "irradiance0_raw") { return r.read_texture(DGB_IRRADIANCE_RAW, 0, GL_RGB); }
+    if (name == "confidence0") { return one_of_four(r.read_texture(DGB_IRRADIANCE, 0, GL_RGBA), 3); }
+    return r.read_picture(Picture::final);
+}
+
+// ---- One layer against two ------------------------------------------------------------------------------
+
+float luminance(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
+
+bool ao_differs(float a, float b) { return std::abs(a - b) > 0.05f; }
+
+// By more than a tenth of the larger one. Below 1e-4 W/m2 there is nothing to see.
+bool irradiance_differs(float a, float b) {
+    const float larger = std::max(a, b);
+    return larger >= 1e-4f && std::abs(a - b) > 0.1f * larger;
+}
+
+// Share of the pixels with a surface where `differs` says so of pixel i, percent.
+double share(const Floats& z, const std::function<bool(size_t)>& differs) {
+    size_t surfaces = 0, changed = 0;
+    for (size_t i = 0; i < z.size(); ++i) {
+        if (z[i] == 0.0f) { continue; }
+        ++surfaces;
+        if (differs(i)) { ++changed; }
+    }
+    return surfaces == 0 ? 0.0 : 100.0 * double(changed) / double(surfaces);
+}
+
+void print_difference(const SceneRenderer& one, const SceneRenderer& two, uint32_t effects) {
+    const Floats z = two.read_z(0);
+    std::string text;
+    if ((effects & DGB_EFFECT_AO) != 0) {
+        const Floats a = one.read_texture(DGB_AO, 0, GL_RED), b = two.read_texture(DGB_AO, 0, GL_RED);
+        const double percent = share(z, [&](size_t i) { return ao_differs(a[i], b[i]); });
+        text += render_report::print(" ao changes by more than 0.05 in %.2f %% of the pixels", percent);
+    }
+    if ((effects & DGB_EFFECT_RADIOSITY) != 0) {
+        const Floats a = one.read_texture(DGB_IRRADIANCE, 0, GL_RGB), b = two.read_texture(DGB_IRRADIANCE, 0, GL_RGB);
+        const double percent =
+            share(z, [&](size_t i) { return irradiance_differs(luminance(&a[3 * i]), luminance(&b[3 * i])); });
+        text += text.empty() ? "" : ",";
+        text += render_report::print(" irradiance by more than 10 %% in %.2f %%", percent);
+    }
+    if (!text.empty()) { std::printf("one layer against two:%s\n", text.c_str()); }
+}
+
+// ---- A run ----------------------------------------------------------------------------------------------
+
+void show_progress(int frame, int frames) {
+    if (isatty(STDERR_FILENO) == 0) { return; }
+    std::fprintf(stderr, "\rframe %d of %d%s", frame, frames, frame == frames ? "\n" : "");
+}
+
+class Run {
+public:
+    explicit Run(const Options& options);
+
+    void render_frames();
+    void write_files() const;
+
+private:
+    RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
+    void render_frame(SceneRenderer* renderer, int frame) const;
+    std::vector<uint8_t> tone_mapped(const Floats& linear) const;
+    void write_picture(const char* name, const std::vector<uint8_t>& rgb) const;
+    void write_pictures(const std::vector<uint8_t>& final_rgb) const;
+    RunReport report(const std::vector<uint8_t>& final_rgb) const;
+
+    Options options_;
+    Scene scene_;
+    RenderCamera camera_;
+    Light light_;
+    Context context_; // before everything that lives in it
+    PassTimes times_, unread_times_;
+    std::optional<GpuScene> gpu_scene_;
+    std::optional<ShadowMap> shadows_;
+    // The second one has one layer where the first has more, and two where the first has one.
+    std::optional<SceneRenderer> renderer_, other_;
+};
+
+// The other renderer draws the last frame only: with one frame, layers are peeled, which is exact.
+dgb_desc other_desc(dgb_desc desc) {
+    desc.layers = desc.layers == 1 ? 2 : 1;
+    desc.oracle = DGB_ORACLE_PEEL;
+    desc.emission = DGB_EMISSION_AUTO;
+    return desc;
+}
+
+Run::Run(const Options& options)
+    : options_(options), scene_(load_scene(options.scene)), camera_(choose_camera(options, scene_)),
+      light_{options.sun.value_or(kDefaultSun), options.sky}, times_(options.profile), unread_times_(false) {
+    open_context(&context_);
+    gpu_scene_.emplace(scene_);
+    if (light_.sun.strength > 0.0f) {
+        times_.begin();
+        shadows_ = render_shadow_map(scene_, *gpu_scene_, light_.sun);
+        times_.end("shadow");
+    }
+    renderer_.emplace(renderer_desc(layers_desc(options), &times_));
+    other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
+}
+
+RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const {
+    RendererDesc desc;
+    desc.get_proc = headless_get_proc;
+    desc.layers = layers;
+    desc.scene = &*gpu_scene_;
+    desc.shadows = shadows_ ? &*shadows_ : nullptr;
+    desc.light = light_;
+    desc.times = times;
+    return desc;
+}
+
+void Run::render_frame(SceneRenderer* renderer, int frame) const {
+    const RenderCamera camera = orbit(camera_, float(frame) * options_.orbit);
+    renderer->render(view_matrix(camera), projection_matrix(camera, options_.aspect(), options_.clip),
+                     options_.params);
+}
+
+void Run::render_frames() {
+    for (int frame = 0; frame < options_.frames; ++frame) {
+        show_progress(frame + 1, options_.frames);
+        render_frame(&*renderer_, frame);
+    }
+    render_frame(&*other_, options_.frames - 1);
+    const GLenum error = glGetError();
+    if (error != GL_NO_ERROR) {
+        throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error));
+    }
+}
+
+std::vector<uint8_t> Run::tone_mapped(const Floats& linear) const {
+    const float scale = std::exp2(options_.exposure);
+    return to_rgb(linear, options_.width, options_.height, [=](float x) { return srgb(filmic(scale * x)); });
+}
+
+void Run::write_picture(const char* name, const std::vector<uint8_t>& rgb) const {
+    const std::string path = (fs::path(options_.out) / (std::string(name) + ".png")).string();
+    require_written(write_png(path, options_.width, options_.height, rgb), path);
+}
+
+void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
+    const int width = options_.width, height = options_.height;
+    const auto albedo = [&](const SceneRenderer& renderer, int layer) {
+        return to_rgb(layer_colors(renderer, DGB_ALBEDO, layer), width, height, srgb);
+    };
+    const auto visibility = [&] {
+        const bool has_ao = (options_.effects & DGB_EFFECT_AO) != 0;
+        const Floats open(size_t(width) * size_t(height), 1.0f);
+        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height, [](float x) { return x; });
+    };
+    std::error_code error;
+    fs::create_directories(options_.out, error);
+    require_written(!error, options_.out);
+    write_picture("final", final_rgb);
+    write_picture("direct", tone_mapped(renderer_->read_picture(Picture::direct)));
+    write_picture("ambient_visibility", visibility());
+    write_picture("indirect", tone_mapped(renderer_->read_picture(Picture::indirect)));
+    const SceneRenderer& with_two = options_.layers > 1 ? *renderer_ : *other_;
+    write_picture("layer0", albedo(*renderer_, 0));
+    write_picture("layer1", albedo(with_two, 1));
+
+    const std::vector<uint8_t> other_rgb = tone_mapped(other_->read_picture(Picture::final));
+    const bool one_first = options_.layers > 1;
+    const std::string path = (fs::path(options_.out) / "one_vs_two.png").string();
+    const std::vector<uint8_t> pair = side_by_side(one_first ? other_rgb : final_rgb, "one layer",
+                                                   one_first ? final_rgb : other_rgb, "two layers", width, height);
+    require_written(write_png(path, 2 * width, height, pair), path);
+}
+
+RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
+    RunReport report;
+    report.gl_renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    report.desc = layers_desc(options_);
+    report.plan = renderer_->plan();
+    report.build = renderer_->draw_counts();
+    report.vertices_shaded = renderer_->vertices_shaded();
+    report.passes = times_.passes();
+    report.hash = fnv1a64(final_rgb.data(), final_rgb.size());
+    return report;
+}
+
+void Run::write_files() const {
+    const std::vector<uint8_t> final_rgb = tone_mapped(renderer_->read_picture(Picture::final));
+    if (!options_.out.empty()) { write_pictures(final_rgb); }
+    for (const Dump& dump : options_.dumps) {
+        const Floats pixels = dump_pixels(*renderer_, dump.name);
+        const size_t count = size_t(options_.width) * size_t(options_.height);
+        require_written(
+            write_pfm(dump.file, options_.width, options_.height, int(pixels.size() / count), pixels.data()),
+            dump.file);
+    }
+    if (!options_.json.empty()) { write_text(options_.json, report_to_json(report(final_rgb))); }
+    const bool one_first = options_.layers > 1;
+    print_difference(one_first ? *other_ : *renderer_, one_first ? *renderer_ : *other_, options_.effects);
+}
+
+void run(const Options& options) {
+    const dgb_plan plan = make_plan(layers_desc(options));
+    if (options.plan) {
+        std::printf("%s", plan_to_text(plan).c_str());
+        return;
+    }
+    check_outputs(options);
+    Run work(options);
+    work.render_frames();
+    work.write_files();
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("Renders a scene headless, and shows what a second layer does to occlusion and bounced light.");
+    try {
+        run(parse_options(&app, argc, argv));
+        return 0;
+    } catch (const CLI::Success& success) {
+        return app.exit(success); // --help
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "render: %s\n", error.what());
+        return 2;
+    }
+}

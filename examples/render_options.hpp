@@ -1,0 +1,368 @@
+// The command line of render: options, their defaults, and what makes them wrong.
+#pragma once
+
+#include "render_camera.hpp"
+#include "scene_gpu.hpp"
+
+#include "deepgbuffer.h"
+
+#include <CLI/CLI.hpp>
+#include <glm/glm.hpp>
+
+#include <cerrno>
+#include <cstdlib>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+// A picture that --dump can write, and what it takes to have it.
+struct DumpKind {
+    const char* name;
+    int layers;
+    uint32_t effects; // DGB_EFFECT_*
+};
+
+inline const DumpKind kDumpKinds[] = {
+    {"z0", 1, 0},
+    {"z1", 2, 0},
+    {"normal0", 1, 0},
+    {"normal1", 2, 0},
+    {"albedo0", 1, 0},
+    {"albedo1", 2, 0},
+    {"radiance0", 1, 0},
+    {"radiance1", 2, 0},
+    {"ao", 1, DGB_EFFECT_AO},
+    {"ao_raw", 1, DGB_EFFECT_AO},
+    {"irradiance0", 1, DGB_EFFECT_RADIOSITY},
+    {"irradiance0_raw", 1, DGB_EFFECT_RADIOSITY},
+    {"confidence0", 1, DGB_EFFECT_RADIOSITY},
+    {"final", 1, 0},
+};
+
+struct Dump {
+    std::string name, file;
+};
+
+struct Options {
+    std::string scene; // empty: the atrium
+    std::string out;   // empty: no PNG files
+    std::string json;  // empty: none
+    std::vector<Dump> dumps;
+    bool plan = false;
+    bool profile = false;
+
+    int width = 1280, height = 720, guard = 64, layers = 2; // pixels
+    dgb_oracle oracle = DGB_ORACLE_REPROJECT;
+    dgb_emission emission = DGB_EMISSION_AUTO;
+    uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
+
+    std::optional<RenderCamera> camera; // none: the file's, or one that frames the scene
+    float ortho_height = 0.0f;          // metres; 0: as the camera says
+    ClipRange clip = ClipRange::standard;
+    std::optional<Sun> sun; // none: the scene's default
+    glm::vec3 sky{0.15f, 0.2f, 0.25f};
+    float exposure = 0.0f; // powers of two
+    int frames = 8;
+    float orbit = 0.0f; // degrees a frame
+
+    float aspect() const { return float(width) / float(height); }
+};
+
+// What the library is asked for; backend and log are still missing.
+inline dgb_desc layers_desc(const Options& options) {
+    dgb_desc desc{};
+    desc.width = options.width;
+    desc.height = options.height;
+    desc.guard_band = options.guard;
+    desc.layers = options.layers;
+    desc.effects = options.effects;
+    desc.oracle = options.oracle;
+    desc.emission = options.emission;
+    desc.reversed = options.clip != ClipRange::standard;
+    desc.clip = desc.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
+    return desc;
+}
+
+namespace render_options {
+
+using Words = std::vector<std::string>;
+
+inline std::string joined(const Words& words) {
+    std::string text;
+    for (size_t i = 0; i < words.size(); ++i) {
+        text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+    }
+    return text;
+}
+
+// "a,,b" has three parts, one of them empty.
+inline Words split(const std::string& text, char separator) {
+    Words parts(1);
+    for (char c : text) {
+        if (c == separator) {
+            parts.emplace_back();
+        } else {
+            parts.back() += c;
+        }
+    }
+    return parts;
+}
+
+inline std::optional<float> to_number(const std::string& text) {
+    char* end = nullptr;
+    const float value = std::strtof(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(value)) { return std::nullopt; }
+    return value;
+}
+
+inline std::vector<float> to_numbers(const std::string& text) {
+    std::vector<float> numbers;
+    for (const std::string& part : split(text, ',')) {
+        const std::optional<float> number = to_number(part);
+        if (!number) { return {}; }
+        numbers.push_back(*number);
+    }
+    return numbers;
+}
+
+inline void require(bool condition, const char* option, const std::string& what) {
+    if (!condition) { throw CLI::ValidationError(option, what); }
+}
+
+// ---- Options that take one word or number ---------------------------------------------------------------
+
+template <typename T> struct Choice {
+    const char* word;
+    T value;
+};
+
+// The value of each word; `set` receives the one that was chosen.
+template <typename T, typename Set>
+void add_choice(CLI::App* app, const char* name, std::vector<Choice<T>> choices, Set set, const char* help) {
+    Words words;
+    for (const Choice<T>& choice : choices) { words.emplace_back(choice.word); }
+    const auto parse = [=](const std::string& word) {
+        for (const Choice<T>& choice : choices) {
+            if (word == choice.word) { return set(choice.value); }
+        }
+        require(false, name, "must be " + joined(words));
+    };
+    app->add_option_function<std::string>(name, parse, help);
+}
+
+// Finite numbers only: NaN is in no range.
+inline CLI::Validator between(double low, double high, const std::string& what) {
+    return {[=](std::string& text) {
+                const double value = to_number(text).value_or(std::numeric_limits<float>::quiet_NaN());
+                return value >= low && value <= high ? std::string() : "must be " + what;
+            },
+            ""};
+}
+
+inline CLI::Validator positive() { return between(1e-6, 1e9, "a number above 0"); }
+
+// ---- Options that take a list ---------------------------------------------------------------------------
+
+inline void parse_size(const std::string& text, Options* options) {
+    const Words parts = split(text, 'x');
+    const auto side = [&](size_t i) {
+        const bool digits = parts[i].find_first_not_of("0123456789") == std::string::npos;
+        return digits && parts[i].size() < 6 ? std::atoi(parts[i].c_str()) : 0;
+    };
+    options->width = parts.size() == 2 ? side(0) : 0;
+    options->height = parts.size() == 2 ? side(1) : 0;
+    const auto fits = [](int pixels) { return pixels >= 1 && pixels <= DGB_MAX_SIZE; };
+    require(fits(options->width) && fits(options->height), "--size",
+            "must be WxH, each 1 to " + std::to_string(DGB_MAX_SIZE) + " pixels, like 1280x720");
+}
+
+inline void parse_effects(const std::string& text, Options* options) {
+    options->effects = 0;
+    if (text == "none") { return; }
+    for (const std::string& word : split(text, ',')) {
+        require(word == "ao" || word == "gi", "--effects", "must be none or a comma list of ao and gi");
+        options->effects |= word == "ao" ? DGB_EFFECT_AO : DGB_EFFECT_RADIOSITY;
+    }
+}
+
+inline void parse_camera(const std::string& text, Options* options) {
+    const std::vector<float> n = to_numbers(text);
+    require(n.size() == 7, "--camera", "must be seven numbers: ex,ey,ez,tx,ty,tz,fov");
+    RenderCamera camera;
+    camera.eye = {n[0], n[1], n[2]};
+    camera.target = {n[3], n[4], n[5]};
+    require(glm::distance(camera.eye, camera.target) > 0.0f, "--camera", "needs a target away from the eye");
+    require(n[6] > 0.0f && n[6] < 180.0f, "--camera", "needs a field of view above 0 and below 180 degrees");
+    camera.up = upright(camera.target - camera.eye);
+    camera.vertical_fov = glm::radians(n[6]);
+    options->camera = camera;
+}
+
+inline void parse_sun(const std::string& text, Options* options) {
+    options->sun = Sun{};
+    if (text == "none") { return; }
+    const std::vector<float> n = to_numbers(text);
+    require(n.size() == 4, "--sun", "must be none or four numbers: dx,dy,dz,strength");
+    options->sun->direction = {n[0], n[1], n[2]};
+    options->sun->strength = n[3];
+    require(glm::length(options->sun->direction) > 0.0f, "--sun", "needs a direction that is not 0,0,0");
+    require(n[3] >= 0.0f, "--sun", "needs a strength of 0 or more");
+}
+
+inline void parse_sky(const std::string& text, Options* options) {
+    const std::vector<float> n = to_numbers(text);
+    require(n.size() == 3 && n[0] >= 0.0f && n[1] >= 0.0f && n[2] >= 0.0f, "--sky",
+            "must be three numbers of 0 or more: r,g,b");
+    options->sky = {n[0], n[1], n[2]};
+}
+
+inline void parse_dump(const std::string& text, Options* options) {
+    const size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    const std::string file = equals == std::string::npos ? "" : text.substr(equals + 1);
+    Words names;
+    for (const DumpKind& kind : kDumpKinds) { names.emplace_back(kind.name); }
+    const bool known = std::find(names.begin(), names.end(), name) != names.end();
+    require(known && !file.empty(), "--dump", "must be NAME=FILE.pfm with NAME " + joined(names));
+    options->dumps.push_back({name, file});
+}
+
+// ---- All options ----------------------------------------------------------------------------------------
+
+// Presets are read first, so that every other option overrides them wherever it stands.
+struct Overrides {
+    dgb_preset_id preset = DGB_PRESET_BALANCED;
+    std::optional<int> samples;
+    std::optional<float> separation;
+    float radius = 7.4f;    // m
+    float ao_radius = 1.0f; // m
+    int ao_samples = 16;
+};
+
+inline void apply(const Overrides& overrides, Options* options) {
+    dgb_params& params = options->params;
+    params = dgb_preset(overrides.preset);
+    params.samples = overrides.samples.value_or(params.samples);
+    params.separation = overrides.separation.value_or(params.separation);
+    params.radius = overrides.radius;
+    params.ao_radius = overrides.ao_radius;
+    params.ao_samples = overrides.ao_samples;
+}
+
+inline void add_outputs(CLI::App* app, Options* o) {
+    app->add_option("SCENE", o->scene, "glTF 2.0 file, .gltf or .glb; without it, a procedural atrium");
+    app->add_option("--out", o->out, "directory for PNG pictures; made if it is not there");
+    app->add_option_function<Words>(
+           "--dump",
+           [=](const Words& dumps) {
+               for (const std::string& dump : dumps) { parse_dump(dump, o); }
+           },
+           "NAME=FILE.pfm: write one picture as 32-bit floats; may be repeated")
+        ->allow_extra_args(false);
+    app->add_option("--json", o->json, "file for what was rendered, and how long it took");
+    app->add_flag("--plan", o->plan, "print passes, textures and bytes, and render nothing")
+        ->disable_flag_override();
+    app->add_flag("--profile", o->profile, "wait for the GPU after each pass, so that its CPU time is all its time")
+        ->disable_flag_override();
+}
+
+inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
+    const auto text = [=](void (*parse)(const std::string&, Options*)) {
+        return [=](const std::string& value) { parse(value, o); };
+    };
+    app->add_option_function<std::string>("--size", text(parse_size), "WxH pixels (default 1280x720)");
+    app->add_option("--guard", o->guard, "guard band on every side, pixels (default 64)")
+        ->check(between(0, DGB_MAX_SIZE, "0 to " + std::to_string(DGB_MAX_SIZE) + " pixels"));
+    app->add_option("--layers", o->layers, "depth layers (default 2)")->check(between(1, DGB_MAX_LAYERS, "1 to 8"));
+    app->add_option("--separation", overrides->separation, "minimum separation of the layers, m (default 0.5)")
+        ->check(between(0, 1e9, "a number of 0 or more"));
+    add_choice<dgb_oracle>(app, "--oracle",
+                           {{"peel", DGB_ORACLE_PEEL},
+                            {"previous", DGB_ORACLE_PREVIOUS},
+                            {"reproject", DGB_ORACLE_REPROJECT}},
+                           [=](dgb_oracle oracle) { o->oracle = oracle; },
+                           "what tells a layer where the one in front is: peel, previous, reproject (default)");
+    add_choice<dgb_emission>(app, "--emit",
+                             {{"auto", DGB_EMISSION_AUTO},
+                              {"separate", DGB_EMISSION_SEPARATE},
+                              {"geometry", DGB_EMISSION_GEOMETRY},
+                              {"vertex", DGB_EMISSION_VERTEX}},
+                             [=](dgb_emission emission) { o->emission = emission; },
+                             "how triangles reach all layers: auto (default), separate, geometry, vertex");
+}
+
+inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
+    app->add_option_function<std::string>("--effects", [=](const std::string& list) { parse_effects(list, o); },
+                                          "none, or a comma list of ao and gi (default ao,gi)");
+    add_choice<dgb_preset_id>(app, "--preset",
+                              {{"performance", DGB_PRESET_PERFORMANCE},
+                               {"balanced", DGB_PRESET_BALANCED},
+                               {"quality", DGB_PRESET_QUALITY}},
+                              [=](dgb_preset_id preset) { overrides->preset = preset; },
+                              "performance, balanced (default), quality");
+    app->add_option("--samples", overrides->samples, "taps of bounced light (default: the preset's)")
+        ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
+    app->add_option("--radius", overrides->radius, "reach of bounced light, m (default 7.4)")->check(positive());
+    app->add_option("--ao-samples", overrides->ao_samples, "taps of ambient occlusion (default 16)")
+        ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
+    app->add_option("--ao-radius", overrides->ao_radius, "reach of ambient occlusion, m (default 1)")
+        ->check(positive());
+}
+
+inline void add_picture(CLI::App* app, Options* o) {
+    const auto text = [=](void (*parse)(const std::string&, Options*)) {
+        return [=](const std::string& value) { parse(value, o); };
+    };
+    app->add_option_function<std::string>("--camera", text(parse_camera),
+                                          "ex,ey,ez,tx,ty,tz,fov: eye, target, vertical field of view in degrees "
+                                          "(default: the file's first camera, else the whole scene)");
+    app->add_option("--ortho", o->ortho_height, "orthographic, this many metres high")->check(positive());
+    app->add_option_function<std::string>("--sun", text(parse_sun),
+                                          "dx,dy,dz,strength towards the sun, W/m2; or none "
+                                          "(default 0.6,0.6,0.3,6)");
+    app->add_option_function<std::string>("--sky", text(parse_sky),
+                                          "r,g,b: radiance from everywhere (default 0.15,0.2,0.25)");
+    app->add_option("--exposure", o->exposure, "powers of two, PNG only (default 0)")
+        ->check(between(-30, 30, "-30 to 30"));
+    app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")
+        ->check(between(1, 1e6, "1 to 1000000"));
+    app->add_option("--orbit", o->orbit, "degrees that the camera turns around its target a frame (default 0)")
+        ->check(between(-360, 360, "-360 to 360 degrees"));
+    add_choice<ClipRange>(app, "--clip",
+                          {{"standard", ClipRange::standard},
+                           {"reversed", ClipRange::reversed},
+                           {"reversed-infinite", ClipRange::reversed_infinite}},
+                          [=](ClipRange clip) { o->clip = clip; },
+                          "depth convention: standard (default), reversed, reversed-infinite");
+}
+
+inline void check_together(const Options& options) {
+    for (const Dump& dump : options.dumps) {
+        const DumpKind& kind =
+            *std::find_if(std::begin(kDumpKinds), std::end(kDumpKinds), [&](const DumpKind& k) { return dump.name == k.name; });
+        require(options.layers >= kind.layers, "--dump", dump.name + " needs --layers 2");
+        require((options.effects & kind.effects) == kind.effects, "--dump",
+                dump.name + " needs --effects " + (kind.effects == DGB_EFFECT_AO ? "ao" : "gi"));
+    }
+}
+
+} // namespace render_options
+
+// Throws CLI::ParseError: CLI::Success to show the help, anything else is the user's mistake in one sentence.
+inline Options parse_options(CLI::App* app, int argc, char** argv) {
+    using namespace render_options;
+    Options options;
+    Overrides overrides;
+    app->set_help_flag("--help", "print this help");
+    add_outputs(app, &options);
+    add_layers(app, &options, &overrides);
+    add_shading(app, &options, &overrides);
+    add_picture(app, &options);
+    app->parse(argc, argv);
+    apply(overrides, &options);
+    check_together(options);
+    return options;
+}

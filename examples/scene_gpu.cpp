@@ -1,0 +1,390 @@
+#include "scene_gpu.hpp"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <stdexcept>
+
+namespace {
+
+using glm::mat4;
+using glm::vec3;
+using glm::vec4;
+
+// ---- Shaders --------------------------------------------------------------------------------------------
+
+const char* const kVersion = "#version 330 core\n";
+
+const char* const kFullscreenVertex = R"(
+void main() { // (-1,-1) (3,-1) (-1,3)
+    vec2 corner = vec2(float((gl_VertexID & 1) << 2), float((gl_VertexID & 2) << 1));
+    gl_Position = vec4(corner - 1.0, 0.0, 1.0);
+}
+)";
+
+const char* const kShadowVertex = R"(
+uniform mat4 u_world;
+uniform mat4 u_clip;
+out vec2 v_uv;
+out vec4 v_color;
+
+void main() {
+    v_uv = a_uv;
+    v_color = a_color;
+    gl_Position = u_clip * (u_world * vec4(a_position, 1.0));
+}
+)";
+
+const char* const kShadowFragment = R"(
+in vec2 v_uv;
+in vec4 v_color;
+
+void main() {
+    if (is_cut_out(base_color(v_uv, v_color))) discard;
+}
+)";
+
+GlObject compile_shader(const std::string& what, GLenum stage, const std::string& text) {
+    GlObject shader(glCreateShader(stage), [](GLuint name) { glDeleteShader(name); });
+    const char* source = text.c_str();
+    glShaderSource(shader.name(), 1, &source, nullptr);
+    glCompileShader(shader.name());
+    GLint compiled = GL_FALSE;
+    glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
+    if (compiled == GL_FALSE) {
+        char log[1024] = "";
+        glGetShaderInfoLog(shader.name(), sizeof log, nullptr, log);
+        throw std::runtime_error("a shader of the " + what + " program does not compile: " + log);
+    }
+    return shader;
+}
+
+void link_program(const std::string& what, GLuint program) {
+    glLinkProgram(program);
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked != GL_FALSE) { return; }
+    char log[1024] = "";
+    glGetProgramInfoLog(program, sizeof log, nullptr, log);
+    throw std::runtime_error("the " + what + " program does not link: " + log);
+}
+
+// ---- Textures -------------------------------------------------------------------------------------------
+
+GLint wrap_mode(Wrap wrap) {
+    switch (wrap) {
+    case Wrap::mirror: return GL_MIRRORED_REPEAT;
+    case Wrap::clamp: return GL_CLAMP_TO_EDGE;
+    case Wrap::repeat: break;
+    }
+    return GL_REPEAT;
+}
+
+GlObject upload_texture(const Image& image, const Texture& texture, bool srgb) {
+    GlObject object = make_texture();
+    glBindTexture(GL_TEXTURE_2D, object.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height, 0, GL_RGBA,
+                 GL_UNSIGNED_BYTE, image.rgba.data());
+    const bool nearest = texture.filter == Filter::nearest;
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, nearest ? GL_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, nearest ? GL_NEAREST : GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(texture.wrap_u));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(texture.wrap_v));
+    if (!nearest) { glGenerateMipmap(GL_TEXTURE_2D); }
+    return object;
+}
+
+GlObject upload_pixel(std::vector<uint8_t> rgba) {
+    Texture nearest;
+    nearest.filter = Filter::nearest;
+    return upload_texture(Image{1, 1, std::move(rgba)}, nearest, false);
+}
+
+// ---- Geometry -------------------------------------------------------------------------------------------
+
+GlObject make_buffer(GLenum target, size_t size, const void* data) {
+    GLuint name = 0;
+    glGenBuffers(1, &name);
+    GlObject buffer(name, [](GLuint buffer_name) { glDeleteBuffers(1, &buffer_name); });
+    glBindBuffer(target, name);
+    glBufferData(target, GLsizeiptr(size), data, GL_STATIC_DRAW);
+    return buffer;
+}
+
+void set_attribute(GLuint location, GLint components, size_t offset) {
+    glEnableVertexAttribArray(location);
+    // OpenGL takes the offset into the bound buffer as a pointer
+    glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, GLsizei(sizeof(Vertex)),
+                          reinterpret_cast<const void*>(offset)); // NOLINT(performance-no-int-to-ptr)
+}
+
+// ---- Shadow map -----------------------------------------------------------------------------------------
+
+// Clip space of an orthographic picture along the sun's rays that holds all of the scene.
+mat4 sun_clip_from_world(const Scene& scene, vec3 direction) {
+    const vec3 up = std::abs(direction.y) < 0.99f ? vec3(0.0f, 1.0f, 0.0f) : vec3(0.0f, 0.0f, 1.0f);
+    const mat4 view = glm::lookAt(direction, vec3(0.0f), up);
+    vec3 low(std::numeric_limits<float>::infinity()), high(-low);
+    for (int corner = 0; corner < 8; ++corner) {
+        const vec3 world((corner & 1) != 0 ? scene.bounds_max.x : scene.bounds_min.x,
+                         (corner & 2) != 0 ? scene.bounds_max.y : scene.bounds_min.y,
+                         (corner & 4) != 0 ? scene.bounds_max.z : scene.bounds_min.z);
+        const vec3 seen(view * vec4(world, 1.0f));
+        low = glm::min(low, seen);
+        high = glm::max(high, seen);
+    }
+    const float margin = 0.01f * glm::length(high - low); // room for the filter, and for flat scenes
+    low -= margin;
+    high += margin;
+    return glm::ortho(low.x, high.x, low.y, high.y, -high.z, -low.z) * view;
+}
+
+GlObject make_shadow_texture(int size) {
+    GlObject texture = make_texture();
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    return texture;
+}
+
+void begin_shadow_pass(GLuint texture, int size) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture, 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    glViewport(0, 0, size, size);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(2.0f, 4.0f); // surfaces seen at a slant must not shadow themselves
+}
+
+void end_shadow_pass() {
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+} // namespace
+
+// ---- Shared helpers -------------------------------------------------------------------------------------
+
+GlObject make_texture() {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    return {name, [](GLuint texture) { glDeleteTextures(1, &texture); }};
+}
+
+GlObject make_framebuffer() {
+    GLuint name = 0;
+    glGenFramebuffers(1, &name);
+    return {name, [](GLuint framebuffer) { glDeleteFramebuffers(1, &framebuffer); }};
+}
+
+GlObject make_vertex_array() {
+    GLuint name = 0;
+    glGenVertexArrays(1, &name);
+    return {name, [](GLuint vertex_array) { glDeleteVertexArrays(1, &vertex_array); }};
+}
+
+GlObject make_program(const std::string& what, const std::string& vertex, const std::string& geometry,
+                      const std::string& fragment) {
+    GlObject program(glCreateProgram(), [](GLuint name) { glDeleteProgram(name); });
+    const auto attach = [&](GLenum stage, const std::string& text) {
+        if (!text.empty()) { glAttachShader(program.name(), compile_shader(what, stage, text).name()); }
+    };
+    attach(GL_VERTEX_SHADER, vertex);
+    attach(GL_GEOMETRY_SHADER, geometry);
+    attach(GL_FRAGMENT_SHADER, fragment);
+    link_program(what, program.name());
+    return program;
+}
+
+GlObject make_fullscreen_program(const std::string& what, const std::string& fragment) {
+    return make_program(what, std::string(kVersion) + kFullscreenVertex, "", kVersion + fragment);
+}
+
+void set_uniform(GLuint program, const char* name, int value) {
+    glUniform1i(glGetUniformLocation(program, name), value);
+}
+
+void set_uniform(GLuint program, const char* name, float value) {
+    glUniform1f(glGetUniformLocation(program, name), value);
+}
+
+void set_uniform(GLuint program, const char* name, vec3 value) {
+    glUniform3fv(glGetUniformLocation(program, name), 1, glm::value_ptr(value));
+}
+
+void set_uniform(GLuint program, const char* name, const mat4& value) {
+    glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, glm::value_ptr(value));
+}
+
+void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture) {
+    set_uniform(program, name, unit);
+    glActiveTexture(GLenum(GL_TEXTURE0 + unit));
+    glBindTexture(target, texture);
+}
+
+// ---- Scene ----------------------------------------------------------------------------------------------
+
+const char* const kSceneAttributes = R"(
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec3 a_normal;
+layout(location = 2) in vec4 a_tangent;
+layout(location = 3) in vec2 a_uv;
+layout(location = 4) in vec4 a_color;
+)";
+
+const char* const kSceneMaterial = R"(
+uniform vec4 u_factors[3]; // base color | emissive, alpha cutoff | metallic, roughness, normal scale, unlit
+uniform sampler2D u_base_color;
+uniform sampler2D u_metallic_roughness;
+uniform sampler2D u_normal;
+uniform sampler2D u_emissive;
+
+vec4 base_color(vec2 uv, vec4 vertex_color) { return u_factors[0] * texture(u_base_color, uv) * vertex_color; }
+
+bool is_cut_out(vec4 base) { return base.a < u_factors[1].a; }
+)";
+
+GpuScene::GpuScene(const Scene& scene) {
+    upload_geometry(scene);
+    upload_materials(scene);
+    list_draws(scene);
+}
+
+void GpuScene::upload_geometry(const Scene& scene) {
+    std::vector<Vertex> vertices;
+    std::vector<uint32_t> indices;
+    for (const Mesh& mesh : scene.meshes) {
+        vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+        indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+    }
+    vertex_array_ = make_vertex_array();
+    glBindVertexArray(vertex_array_.name());
+    vertices_ = make_buffer(GL_ARRAY_BUFFER, vertices.size() * sizeof(Vertex), vertices.data());
+    indices_ = make_buffer(GL_ELEMENT_ARRAY_BUFFER, indices.size() * sizeof(uint32_t), indices.data());
+    set_attribute(0, 3, offsetof(Vertex, position));
+    set_attribute(1, 3, offsetof(Vertex, normal));
+    set_attribute(2, 4, offsetof(Vertex, tangent));
+    set_attribute(3, 2, offsetof(Vertex, uv));
+    set_attribute(4, 4, offsetof(Vertex, color));
+    glBindVertexArray(0);
+}
+
+void GpuScene::upload_materials(const Scene& scene) {
+    const GLuint white = textures_.emplace_back(upload_pixel({255, 255, 255, 255})).name();
+    const GLuint flat = textures_.emplace_back(upload_pixel({128, 128, 255, 255})).name();
+    std::map<std::pair<int, bool>, GLuint> uploaded; // one image may hold colors for one material, data for another
+    const auto texture = [&](int index, bool srgb, GLuint missing) {
+        if (index < 0 || scene.textures[size_t(index)].image < 0) { return missing; }
+        const auto [found, is_new] = uploaded.try_emplace({index, srgb}, 0);
+        if (is_new) {
+            const Texture& source = scene.textures[size_t(index)];
+            textures_.push_back(upload_texture(scene.images[size_t(source.image)], source, srgb));
+            found->second = textures_.back().name();
+        }
+        return found->second;
+    };
+    for (const Material& m : scene.materials) {
+        const float cutoff = m.alpha_mode == AlphaMode::mask ? m.alpha_cutoff : 0.0f;
+        GpuMaterial& material = materials_.emplace_back();
+        material.factors = {m.base_color, vec4(m.emissive, cutoff),
+                            vec4(m.metallic, m.roughness, m.normal_scale, m.unlit ? 1.0f : 0.0f)};
+        material.textures = {texture(m.base_color_texture, true, white),
+                             texture(m.metallic_roughness_texture, false, white),
+                             texture(m.normal_texture, false, flat), texture(m.emissive_texture, true, white)};
+        material.double_sided = m.double_sided;
+    }
+}
+
+void GpuScene::list_draws(const Scene& scene) {
+    std::vector<std::pair<size_t, size_t>> starts; // first index, first vertex of each mesh
+    size_t index_count = 0, vertex_count = 0;
+    for (const Mesh& mesh : scene.meshes) {
+        starts.emplace_back(index_count, vertex_count);
+        index_count += mesh.indices.size();
+        vertex_count += mesh.vertices.size();
+    }
+    for (const Node& node : scene.nodes) {
+        const glm::mat3 linear(node.world);
+        for (int mesh_index : node.meshes) {
+            const Mesh& mesh = scene.meshes[size_t(mesh_index)];
+            const auto [first_index, first_vertex] = starts[size_t(mesh_index)];
+            const Material& material = scene.materials[size_t(mesh.material)];
+            if (material.alpha_mode == AlphaMode::blend || mesh.indices.empty()) { continue; }
+            draws_.push_back({mesh.material, node.world, glm::transpose(glm::inverse(linear)),
+                              glm::determinant(linear) < 0.0f ? -1.0f : 1.0f, GLsizei(mesh.indices.size()),
+                              first_index, GLint(first_vertex)});
+        }
+    }
+    std::stable_sort(draws_.begin(), draws_.end(),
+                     [](const Draw& a, const Draw& b) { return a.material < b.material; });
+}
+
+DrawCounts GpuScene::draw(GLuint program, int instances, Sides sides) const {
+    static const char* const samplers[] = {"u_base_color", "u_metallic_roughness", "u_normal", "u_emissive"};
+    const GLint factors = glGetUniformLocation(program, "u_factors");
+    const GLint world = glGetUniformLocation(program, "u_world");
+    const GLint normal_to_world = glGetUniformLocation(program, "u_normal_to_world");
+    const GLint handedness = glGetUniformLocation(program, "u_handedness");
+    for (int unit = 0; unit < 4; ++unit) { set_uniform(program, samplers[unit], unit); }
+    glBindVertexArray(vertex_array_.name());
+
+    DrawCounts counts;
+    int bound_material = -1;
+    for (const Draw& d : draws_) {
+        const GpuMaterial& material = materials_[size_t(d.material)];
+        if (d.material != bound_material) {
+            bound_material = d.material;
+            glUniform4fv(factors, GLsizei(material.factors.size()), glm::value_ptr(material.factors[0]));
+            for (size_t unit = 0; unit < material.textures.size(); ++unit) {
+                glActiveTexture(GLenum(GL_TEXTURE0 + unit));
+                glBindTexture(GL_TEXTURE_2D, material.textures[unit]);
+            }
+            (material.double_sided || sides == Sides::both ? glDisable : glEnable)(GL_CULL_FACE);
+        }
+        glFrontFace(d.handedness < 0.0f ? GL_CW : GL_CCW);
+        glUniformMatrix4fv(world, 1, GL_FALSE, glm::value_ptr(d.world));
+        glUniformMatrix3fv(normal_to_world, 1, GL_FALSE, glm::value_ptr(d.normal_to_world));
+        glUniform1f(handedness, d.handedness);
+        const size_t offset = d.first_index * sizeof(uint32_t);
+        glDrawElementsInstancedBaseVertex(GL_TRIANGLES, d.index_count, GL_UNSIGNED_INT,
+                                          reinterpret_cast<const void*>(offset), // NOLINT(performance-no-int-to-ptr)
+                                          instances, d.first_vertex);
+        ++counts.draw_calls;
+        counts.triangles += int64_t(d.index_count) / 3 * instances;
+    }
+    return counts;
+}
+
+ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
+    const mat4 clip = sun_clip_from_world(scene, glm::normalize(sun.direction));
+    const mat4 half = glm::scale(glm::translate(mat4(1.0f), vec3(0.5f)), vec3(0.5f)); // -1..1 to 0..1
+    ShadowMap map;
+    map.texture = make_shadow_texture(size);
+    map.from_world = half * clip;
+    // rows of an orthographic matrix are 2 / extent long
+    const glm::mat4 rows = glm::transpose(clip);
+    map.texel = 2.0f / std::min(glm::length(vec3(rows[0])), glm::length(vec3(rows[1]))) / float(size);
+
+    const GlObject program = make_program("shadow", std::string(kVersion) + kSceneAttributes + kShadowVertex, "",
+                                          std::string(kVersion) + kSceneMaterial + kShadowFragment);
+    const GlObject framebuffer = make_framebuffer();
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    begin_shadow_pass(map.texture.name(), size);
+    glUseProgram(program.name());
+    set_uniform(program.name(), "u_clip", clip);
+    gpu_scene.draw(program.name(), 1, GpuScene::Sides::both);
+    end_shadow_pass();
+    return map;
+}

@@ -1,0 +1,118 @@
+// A scene in OpenGL 3.3: buffers, textures, a list of draws, and the shadow map of a sun.
+#pragma once
+
+#include "scene.hpp"
+
+#include <epoxy/gl.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+// Owns one OpenGL object. Its context must be current when it dies.
+class GlObject {
+public:
+    using Destroy = void (*)(GLuint name);
+
+    GlObject() = default;
+    GlObject(GLuint name, Destroy destroy) : name_(name), destroy_(destroy) {}
+    GlObject(GlObject&& other) noexcept : name_(std::exchange(other.name_, 0)), destroy_(other.destroy_) {}
+    GlObject& operator=(GlObject&& other) noexcept {
+        std::swap(name_, other.name_);
+        std::swap(destroy_, other.destroy_);
+        return *this;
+    }
+    GlObject(const GlObject&) = delete;
+    GlObject& operator=(const GlObject&) = delete;
+    ~GlObject() {
+        if (name_ != 0) { destroy_(name_); }
+    }
+
+    GLuint name() const { return name_; }
+
+private:
+    GLuint name_ = 0;
+    Destroy destroy_ = nullptr;
+};
+
+GlObject make_texture();
+GlObject make_framebuffer();
+GlObject make_vertex_array();
+
+// Compiles and links; an empty geometry shader is left out. Throws std::runtime_error with the compiler's message.
+GlObject make_program(const std::string& what, const std::string& vertex, const std::string& geometry,
+                      const std::string& fragment);
+
+// A program for one triangle that covers the viewport. The fragment shader comes without its #version line.
+GlObject make_fullscreen_program(const std::string& what, const std::string& fragment);
+
+// The program must be in use. Names that the compiler removed are ignored.
+void set_uniform(GLuint program, const char* name, int value);
+void set_uniform(GLuint program, const char* name, float value);
+void set_uniform(GLuint program, const char* name, glm::vec3 value);
+void set_uniform(GLuint program, const char* name, const glm::mat4& value);
+
+// Sets the sampler's unit and binds the texture there. The current program must hold the sampler.
+void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture);
+
+struct Sun {
+    glm::vec3 direction{0.0f, 1.0f, 0.0f}; // towards the sun, any length
+    float strength = 0.0f;                 // irradiance at normal incidence, W/m2; 0: there is no sun
+};
+
+struct DrawCounts {
+    int64_t draw_calls = 0;
+    int64_t triangles = 0; // handed to OpenGL, once an instance
+};
+
+// The vertex attributes, for the start of every vertex shader that draws the scene.
+extern const char* const kSceneAttributes;
+// The material's factors and textures, for the start of every fragment shader that draws the scene.
+extern const char* const kSceneMaterial;
+
+class GpuScene {
+public:
+    explicit GpuScene(const Scene& scene);
+
+    enum class Sides { as_material, both };
+
+    // Draws all opaque and alpha-masked meshes with a program made of the texts above, which gets the uniforms
+    //     mat4 u_world; mat3 u_normal_to_world; float u_handedness (-1 where the node mirrors its mesh)
+    // Leaves face culling and the front face as the last mesh needed them.
+    DrawCounts draw(GLuint program, int instances, Sides sides) const;
+
+private:
+    struct GpuMaterial {
+        std::array<glm::vec4, 3> factors; // layout in kSceneMaterial
+        std::array<GLuint, 4> textures;   // base color, metallic-roughness, normal, emissive
+        bool double_sided;
+    };
+    struct Draw {
+        int material;
+        glm::mat4 world;
+        glm::mat3 normal_to_world;
+        float handedness;
+        GLsizei index_count;
+        size_t first_index;
+        GLint first_vertex;
+    };
+
+    void upload_geometry(const Scene& scene);
+    void upload_materials(const Scene& scene);
+    void list_draws(const Scene& scene);
+
+    GlObject vertex_array_, vertices_, indices_;
+    std::vector<GlObject> textures_;
+    std::vector<GpuMaterial> materials_;
+    std::vector<Draw> draws_;
+};
+
+// Depth of the scene as the sun sees it, in an orthographic picture of the scene's bounds.
+struct ShadowMap {
+    GlObject texture; // compared and filtered by the sampler
+    glm::mat4 from_world{1.0f}; // to texture coordinates and depth, 0..1
+    float texel = 0.0f;         // size in the scene, metres
+};
+
+ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size = 4096);

@@ -1,0 +1,128 @@
+// Draws a scene with deepgbuffer, the way an engine would: layers, direct light in every layer, occlusion and
+// bounced light, composite. One context, one image size.
+#pragma once
+
+#include "scene_gpu.hpp"
+
+#include "deepgbuffer.h"
+#include "deepgbuffer_gl.h"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct Light {
+    Sun sun;
+    glm::vec3 sky{0.0f}; // the same radiance from everywhere, W/m2/sr
+};
+
+struct PassTime {
+    std::string name;
+    std::vector<double> cpu_ms; // one a frame
+    std::vector<double> gpu_ms; // empty where the GPU's clock cannot be read
+};
+
+// A stopwatch for passes that follow one another.
+class PassTimes {
+public:
+    // wait: times the work itself, until the GPU is idle; else only its submission.
+    explicit PassTimes(bool wait) : wait_(wait) {}
+
+    void begin();
+    void end(const char* name);
+    void add_gpu(const char* name, double milliseconds) { pass(name).gpu_ms.push_back(milliseconds); }
+    const std::vector<PassTime>& passes() const { return passes_; }
+
+private:
+    PassTime& pass(const char* name);
+
+    bool wait_;
+    std::chrono::steady_clock::time_point start_;
+    std::vector<PassTime> passes_;
+};
+
+struct RendererDesc { // what the pointers point to must outlive the renderer
+    dgbgl_get_proc_fn get_proc = nullptr;
+    dgb_desc layers{}; // without backend and log
+    const GpuScene* scene = nullptr;
+    const ShadowMap* shadows = nullptr; // null only when there is no sun
+    Light light;
+    PassTimes* times = nullptr;
+};
+
+class SceneRenderer {
+public:
+    // Throws std::runtime_error when the device cannot do what desc asks for.
+    explicit SceneRenderer(const RendererDesc& desc);
+    SceneRenderer(const SceneRenderer&) = delete;
+    SceneRenderer& operator=(const SceneRenderer&) = delete;
+
+    // One frame. The projection is that of the image without guard band.
+    void render(const glm::mat4& view, const glm::mat4& projection, const dgb_params& params);
+
+    const dgb_plan& plan() const { return library_.context.plan; }
+
+    // Of the last frame's layers. Nothing where the driver does not count, and then always nothing.
+    DrawCounts draw_counts() const { return draw_counts_; }
+    std::optional<uint64_t> vertices_shaded() const;
+
+    // All pictures are of the last frame, without guard band, bottom row first.
+    enum class Picture { final, direct, indirect }; // linear RGB; direct holds emission and the sky's pixels
+    std::vector<float> read_picture(Picture picture) const;
+    // format: GL_RED, GL_RGB or GL_RGBA. layer is 0 for textures without layers.
+    std::vector<float> read_texture(dgb_slot slot, int layer, GLenum format) const;
+    // Camera z in metres, 0 where empty: what the shading read, strict separation included.
+    std::vector<float> read_z(int layer) const;
+    // Camera-space unit normals, 0 where empty.
+    std::vector<float> read_normals(int layer) const;
+
+private:
+    // Wraps the backend's marker with a stopwatch.
+    struct TimedBackend {
+        dgbgl_backend gl; // first: the callbacks get its address
+        void (*gl_marker)(void* user, dgb_pass_id pass, bool begin);
+        PassTimes* times;
+    };
+    struct Library {
+        TimedBackend backend{};
+        dgb_context context{};
+        std::string complaint; // the last failure
+
+        Library() = default;
+        Library(const Library&) = delete;
+        Library& operator=(const Library&) = delete;
+        ~Library();
+    };
+
+    static void mark(void* user, dgb_pass_id pass, bool begin);
+    void init_library();
+    void make_programs();
+    void make_targets();
+    void draw_layers(const dgb_draw& draw);
+    void light_layers();
+    void copy_emission();
+    void composite();
+    void collect_gpu_times();
+    glm::mat4 world_from_buffer() const;
+    float empty_depth() const { return desc_.layers.reversed ? 0.0f : 1.0f; }
+    bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
+    GLuint texture(dgb_slot slot) const;
+    std::vector<float> read_linear_depth(int layer) const;
+    std::vector<float> read_pixels(GLenum attachment, GLenum format, int x, int y) const;
+
+    RendererDesc desc_;
+    Library library_;
+
+    GlObject material_program_, light_program_, composite_program_;
+    GlObject no_vertices_;                     // full-screen passes need a vertex array, an empty one
+    GlObject direct_;                          // emission + direct light of layer 0, guard band included
+    std::vector<GlObject> light_framebuffers_; // one a layer
+    GlObject pictures_[3], picture_framebuffer_, read_framebuffer_;
+    GlObject vertex_query_; // none where the driver lacks pipeline statistics
+
+    glm::mat4 view_{1.0f}, projection_{1.0f}; // of the last frame; the projection with guard band
+    dgb_params params_{};
+    DrawCounts draw_counts_;
+};
