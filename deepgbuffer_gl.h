@@ -253,7 +253,8 @@ DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage
 /* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity);
-/* Connects a linked program that contains the snippets to the draw block and to the oracle. Once a program. */
+/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID for
+   what is no program or not linked. */
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
 
 /* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
@@ -2088,12 +2089,15 @@ DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_var
 
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program) {
     const dgbgl_backend* b = dgbgli_of(context);
-    int                  current;
+    int                  current, linked = 0;
     if (!b || !b->gl.IsProgram(program)) return DGB_INVALID;
+    b->gl.GetProgramiv(program, DGBGLI_LINK_STATUS, &linked);
+    if (!linked) return DGB_INVALID;
     current = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
     dgbgli_connect_samplers(b, program);
     dgbgli_connect_block(b, program, "draw");
-    b->gl.UseProgram((unsigned)current);
+    /* as in restoring the state: a program deleted while in use is gone by now */
+    b->gl.UseProgram(b->gl.IsProgram((unsigned)current) ? (unsigned)current : 0);
     return DGB_OK;
 }
 

@@ -570,6 +570,7 @@ static void test_prefix_lengths(void** state) {
     dgb_context c;
     char        small[8], whole[1 << 16];
     size_t      length;
+    GLuint      unlinked;
     (void)state;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     length = dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, NULL, 0);
@@ -579,6 +580,10 @@ static void test_prefix_lengths(void** state) {
     assert_int_equal(strlen(whole), length);
     assert_int_equal(dgbgl_shader_prefix(NULL, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), 0);
     assert_int_equal(dgbgl_attach_program(&c, 0), DGB_INVALID);
+    unlinked = glCreateProgram();
+    assert_int_equal(dgbgl_attach_program(&c, unlinked), DGB_INVALID);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+    glDeleteProgram(unlinked);
     dgb_shutdown(&c);
     assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), 0);
 }
