@@ -1107,7 +1107,7 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.filter_taps       = table[row].filter_taps;
     p.filter_step       = 1;
     p.normal_sharpness  = 4.0f;
-    p.plane_sharpness   = 8.0f;
+    p.plane_sharpness   = 2.0f;
     return p;
 }
 

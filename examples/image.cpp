@@ -108,6 +108,10 @@ bool write_pfm(const std::string& path, int width, int height, int channels, con
     return write_file(path, bytes);
 }
 
+bool write_text(const std::string& path, const std::string& text) {
+    return write_file(path, std::vector<uint8_t>(text.begin(), text.end()));
+}
+
 void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale,
                 const std::string& text) {
     const int margin = 3, line_height = 9; // font pixels

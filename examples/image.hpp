@@ -7,12 +7,15 @@
 #include <string>
 #include <vector>
 
-// Both writers return false when any byte could not be written, and then leave no half file behind. The path
+// All writers return false when any byte could not be written, and then leave no half file behind. The path
 // must name a regular file or nothing yet.
 bool write_png(const std::string& path, int width, int height, const std::vector<uint8_t>& rgb);
 
 // Little-endian floats with 1 or 3 channels, bottom row first as PFM and OpenGL have it.
 bool write_pfm(const std::string& path, int width, int height, int channels, const float* pixels);
+
+// Any text, by the same rules.
+bool write_text(const std::string& path, const std::string& text);
 
 // White ASCII text on a darkened box whose top left corner is at (x, y). One font pixel covers
 // scale x scale pixels. What lies outside of the picture is cut off.

@@ -19,7 +19,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <stdexcept>
 #include <system_error>
 
@@ -43,6 +42,7 @@ struct Context {
     ~Context() { headless_destroy(&handle); }
 };
 
+// Debug contexts are slower, so only an environment variable asks for one.
 bool wants_debug_context() { return std::getenv("RENDER_GL_DEBUG") != nullptr; }
 
 void print_gl_message(GLenum, GLenum, GLuint, GLenum severity, GLsizei, const GLchar* message, const void*) {
@@ -121,14 +121,6 @@ void require_written(bool written, const std::string& path) {
     if (!written) { throw std::runtime_error("cannot write \"" + path + "\""); }
 }
 
-void write_text(const std::string& path, const std::string& text) {
-    std::FILE* file = std::fopen(path.c_str(), "wb");
-    require_written(file != nullptr, path);
-    const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-    const bool closed = std::fclose(file) == 0; // a full disk may only show here
-    require_written(written && closed, path);
-}
-
 // ---- From floats to bytes -------------------------------------------------------------------------------
 
 float srgb(float linear) {
@@ -136,19 +128,26 @@ float srgb(float linear) {
 }
 
 // Narkowicz's fit of the ACES filmic curve: 1 becomes 0.8, highlights roll off towards 1.
-float filmic(float x) { return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f); }
+float filmic(float x) {
+    x = std::min(x, 1e4f); // far into the white, and far from an overflow
+    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
+}
 
-uint8_t to_byte(float x) { return uint8_t(std::lround(255.0f * std::clamp(x, 0.0f, 1.0f))); }
+// NaN is black.
+uint8_t to_byte(float x) { return uint8_t(x > 0.0f ? std::lround(255.0f * std::min(x, 1.0f)) : 0); }
 
 // PNG has the top row first and three channels; one channel is repeated.
-template <typename Curve> std::vector<uint8_t> to_rgb(const Floats& pixels, int width, int height, Curve curve) {
+template <typename Curve>
+std::vector<uint8_t> to_rgb(const Floats& pixels, int width, int height, Curve curve) {
     const size_t row = size_t(width), channels = pixels.size() / (row * size_t(height));
     std::vector<uint8_t> rgb;
     rgb.reserve(row * size_t(height) * 3);
     for (size_t y = size_t(height); y-- > 0;) {
         for (size_t x = 0; x < row; ++x) {
             const float* pixel = &pixels[(y * row + x) * channels];
-            for (size_t c = 0; c < 3; ++c) { rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)]))); }
+            for (size_t c = 0; c < 3; ++c) {
+                rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)])));
+            }
         }
     }
     return rgb;
@@ -218,9 +217,10 @@ void print_difference(const SceneRenderer& one, const SceneRenderer& two, uint32
         text += render_report::print(" ao changes by more than 0.05 in %.2f %% of the pixels", percent);
     }
     if ((effects & DGB_EFFECT_RADIOSITY) != 0) {
-        const Floats a = one.read_texture(DGB_IRRADIANCE, 0, GL_RGB), b = two.read_texture(DGB_IRRADIANCE, 0, GL_RGB);
-        const double percent =
-            share(z, [&](size_t i) { return irradiance_differs(luminance(&a[3 * i]), luminance(&b[3 * i])); });
+        const Floats a = one.read_texture(DGB_IRRADIANCE, 0, GL_RGB),
+                     b = two.read_texture(DGB_IRRADIANCE, 0, GL_RGB);
+        const double percent = share(
+            z, [&](size_t i) { return irradiance_differs(luminance(&a[3 * i]), luminance(&b[3 * i])); });
         text += text.empty() ? "" : ",";
         text += render_report::print(" irradiance by more than 10 %% in %.2f %%", percent);
     }
@@ -270,8 +270,9 @@ dgb_desc other_desc(dgb_desc desc) {
 }
 
 Run::Run(const Options& options)
-    : options_(options), scene_(load_scene(options.scene)), camera_(choose_camera(options, scene_)),
-      light_{options.sun.value_or(kDefaultSun), options.sky}, times_(options.profile), unread_times_(false) {
+    : options_(options), scene_(load_scene(options.scene)),
+      camera_(choose_camera(options, scene_)), light_{options.sun.value_or(kDefaultSun), options.sky},
+      times_(options.profile), unread_times_(false) {
     open_context(&context_);
     gpu_scene_.emplace(scene_);
     if (light_.sun.strength > 0.0f) {
@@ -330,7 +331,8 @@ void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
     const auto visibility = [&] {
         const bool has_ao = (options_.effects & DGB_EFFECT_AO) != 0;
         const Floats open(size_t(width) * size_t(height), 1.0f);
-        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height, [](float x) { return x; });
+        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height,
+                      [](float x) { return x; });
     };
     std::error_code error;
     fs::create_directories(options_.out, error);
@@ -346,8 +348,9 @@ void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
     const std::vector<uint8_t> other_rgb = tone_mapped(other_->read_picture(Picture::final));
     const bool one_first = options_.layers > 1;
     const std::string path = (fs::path(options_.out) / "one_vs_two.png").string();
-    const std::vector<uint8_t> pair = side_by_side(one_first ? other_rgb : final_rgb, "one layer",
-                                                   one_first ? final_rgb : other_rgb, "two layers", width, height);
+    const std::vector<uint8_t> pair =
+        side_by_side(one_first ? other_rgb : final_rgb, "one layer", one_first ? final_rgb : other_rgb,
+                     "two layers", width, height);
     require_written(write_png(path, 2 * width, height, pair), path);
 }
 
@@ -373,7 +376,9 @@ void Run::write_files() const {
             write_pfm(dump.file, options_.width, options_.height, int(pixels.size() / count), pixels.data()),
             dump.file);
     }
-    if (!options_.json.empty()) { write_text(options_.json, report_to_json(report(final_rgb))); }
+    if (!options_.json.empty()) {
+        require_written(write_text(options_.json, report_to_json(report(final_rgb))), options_.json);
+    }
     const bool one_first = options_.layers > 1;
     print_difference(one_first ? *other_ : *renderer_, one_first ? *renderer_ : *other_, options_.effects);
 }
@@ -390,15 +395,23 @@ void run(const Options& options) {
     work.write_files();
 }
 
+// The exit code.
+int run_command_line(int argc, char** argv) {
+    CLI::App app("Renders a scene headless, and shows what a second layer does to occlusion and light.");
+    try {
+        run(parse_options(&app, argc, argv));
+    } catch (const CLI::Success& success) {
+        app.exit(success); // prints the help
+    }
+    require_written(std::fflush(stdout) == 0, "the standard output");
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("Renders a scene headless, and shows what a second layer does to occlusion and bounced light.");
     try {
-        run(parse_options(&app, argc, argv));
-        return 0;
-    } catch (const CLI::Success& success) {
-        return app.exit(success); // --help
+        return run_command_line(argc, argv);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "render: %s\n", error.what());
         return 2;

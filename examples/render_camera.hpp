@@ -40,7 +40,8 @@ inline RenderCamera framing_camera(const Scene& scene, float aspect) {
     return camera;
 }
 
-// A camera of the file names no target: the point on its axis nearest to the middle of the scene, if that lies ahead.
+// A camera of the file names no target. Takes the point on its axis nearest to the middle of the scene, if
+// that is ahead.
 inline RenderCamera camera_of_file(const Camera& source, const Scene& scene) {
     const glm::vec3 forward = -glm::normalize(glm::vec3(source.world[2]));
     const glm::vec3 center = 0.5f * (scene.bounds_min + scene.bounds_max);
@@ -57,7 +58,8 @@ inline RenderCamera camera_of_file(const Camera& source, const Scene& scene) {
 inline void set_planes(const Scene& scene, RenderCamera* camera) {
     const glm::vec3 center = 0.5f * (scene.bounds_min + scene.bounds_max);
     const float radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
-    const float reach = glm::distance(camera->eye, camera->target) + glm::distance(camera->target, center) + radius;
+    const float reach =
+        glm::distance(camera->eye, camera->target) + glm::distance(camera->target, center) + radius;
     camera->near_plane = std::min(0.05f, 1e-3f * reach);
     camera->far_plane = 1.01f * reach;
 }
@@ -74,7 +76,7 @@ inline glm::mat4 view_matrix(const RenderCamera& camera) {
     return glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
-// Reversing swaps the planes. Infinitely far, the two middle terms of the matrix go to 0 and to the near plane.
+// Reversing swaps the planes. With the far one at infinity, the third row becomes 0, 0, 0, near.
 inline glm::mat4 projection_matrix(const RenderCamera& camera, float aspect, ClipRange clip) {
     const float near_plane = camera.near_plane, far_plane = camera.far_plane;
     if (camera.height > 0.0f) {

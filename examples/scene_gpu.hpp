@@ -40,7 +40,8 @@ GlObject make_texture();
 GlObject make_framebuffer();
 GlObject make_vertex_array();
 
-// Compiles and links; an empty geometry shader is left out. Throws std::runtime_error with the compiler's message.
+// Compiles and links; an empty geometry shader is left out. Throws std::runtime_error with the compiler's
+// message.
 GlObject make_program(const std::string& what, const std::string& vertex, const std::string& geometry,
                       const std::string& fragment);
 
@@ -77,7 +78,7 @@ public:
 
     enum class Sides { as_material, both };
 
-    // Draws all opaque and alpha-masked meshes with a program made of the texts above, which gets the uniforms
+    // Draws all opaque and alpha-masked meshes with a program made of the texts above. It gets the uniforms
     //     mat4 u_world; mat3 u_normal_to_world; float u_handedness (-1 where the node mirrors its mesh)
     // Leaves face culling and the front face as the last mesh needed them.
     DrawCounts draw(GLuint program, int instances, Sides sides) const;
@@ -110,7 +111,7 @@ private:
 
 // Depth of the scene as the sun sees it, in an orthographic picture of the scene's bounds.
 struct ShadowMap {
-    GlObject texture; // compared and filtered by the sampler
+    GlObject texture;           // compared and filtered by the sampler
     glm::mat4 from_world{1.0f}; // to texture coordinates and depth, 0..1
     float texel = 0.0f;         // size in the scene, metres
 };

@@ -22,6 +22,10 @@ const dgbgl_varying kVaryings[] = {{nullptr, "vec3", "v_normal"},
                                    {nullptr, "vec4", "v_color"}};
 constexpr int kVaryingCount = 4;
 
+// Shadow map texels by which a point is lifted off its surface before it is looked up. The filter reaches
+// 2 sqrt(2) texels: with more than that no plane shadows itself, however slanted, and depth needs no bias.
+constexpr float kNormalOffset = 3.5f;
+
 const char* const kMaterialVertex = R"(
 uniform mat4 u_world;
 uniform mat3 u_normal_to_world;
@@ -104,14 +108,14 @@ vec3 decode_normal(vec2 bytes) {
     return normalize(vec3(z < 0.0 ? folded : p, z));
 }
 
-// 5 x 5 comparisons, each filtered over 2 x 2 texels by the sampler.
+// 3 x 3 comparisons, each filtered over 2 x 2 texels by the sampler.
 float sun_visibility(vec3 world) {
     vec3 p = (u_shadow_from_world * vec4(world, 1.0)).xyz;
     vec2 texel = 1.0 / vec2(textureSize(u_shadow_map, 0));
     float lit = 0.0;
-    for (int y = -2; y <= 2; ++y)
-        for (int x = -2; x <= 2; ++x) lit += texture(u_shadow_map, p + vec3(vec2(x, y) * texel, 0.0));
-    return lit / 25.0;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) lit += texture(u_shadow_map, p + vec3(vec2(x, y) * texel, 0.0));
+    return lit / 9.0;
 }
 
 void main() {
@@ -222,7 +226,8 @@ void PassTimes::end(const char* name) {
 }
 
 PassTime& PassTimes::pass(const char* name) {
-    const auto found = std::find_if(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == name; });
+    const auto found =
+        std::find_if(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == name; });
     return found != passes_.end() ? *found : passes_.emplace_back(PassTime{name, {}, {}});
 }
 
@@ -287,9 +292,8 @@ void SceneRenderer::make_programs() {
     const std::string geometry = text_of([&](char* text, size_t size) {
         return dgbgl_geometry_shader(context, kVaryings, kVaryingCount, text, size);
     });
-    material_program_ =
-        make_program("material", prefix(DGBGL_VERTEX) + kSceneAttributes + kMaterialVertex, geometry,
-                     prefix(DGBGL_FRAGMENT) + kSceneMaterial + kMaterialFragment);
+    material_program_ = make_program("material", prefix(DGBGL_VERTEX) + kSceneAttributes + kMaterialVertex,
+                                     geometry, prefix(DGBGL_FRAGMENT) + kSceneMaterial + kMaterialFragment);
     if (dgbgl_attach_program(context, material_program_.name()) != DGB_OK) {
         throw std::runtime_error("the material program lacks the library's text");
     }
@@ -345,9 +349,7 @@ void SceneRenderer::render(const mat4& view, const mat4& projection, const dgb_p
     if (vertex_query_.name() != 0) { glEndQuery(GL_VERTEX_SHADER_INVOCATIONS); }
     if (built != DGB_OK) { throw std::runtime_error(library_.complaint); }
     light_layers();
-    if (dgb_shade(&library_.context, &params) != DGB_OK) {
-        throw std::runtime_error(library_.complaint);
-    }
+    if (dgb_shade(&library_.context, &params) != DGB_OK) { throw std::runtime_error(library_.complaint); }
     composite();
     collect_gpu_times();
 }
@@ -366,8 +368,8 @@ void SceneRenderer::draw_layers(const dgb_draw& draw) {
     draw_counts_.triangles += counts.triangles;
 }
 
-// World space from (pixel, depth) of the buffer, guard band included. In double precision: a matrix with a near
-// plane of centimetres and a far one of hundreds of metres is hard to invert.
+// World space from (pixel, depth) of the buffer, guard band included. In double precision: with a near plane
+// of centimetres and a far one of hundreds of metres the matrix is hard to invert.
 mat4 SceneRenderer::world_from_buffer() const {
     const bool zero_to_one = desc_.layers.clip == DGB_CLIP_ZERO_TO_ONE;
     const glm::dvec3 first(-1.0, -1.0, zero_to_one ? 0.0 : -1.0); // pixel (0, 0), depth 0
@@ -382,8 +384,8 @@ void SceneRenderer::copy_emission() {
     glBindFramebuffer(GL_FRAMEBUFFER, light_framebuffers_[0].name());
     glReadBuffer(GL_COLOR_ATTACHMENT0);
     glDrawBuffers(2, only_direct);
-    glBlitFramebuffer(0, 0, plan().width, plan().height, 0, 0, plan().width, plan().height, GL_COLOR_BUFFER_BIT,
-                      GL_NEAREST);
+    glBlitFramebuffer(0, 0, plan().width, plan().height, 0, 0, plan().width, plan().height,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
     const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
     glDrawBuffers(2, both);
 }
@@ -406,7 +408,7 @@ void SceneRenderer::light_layers() {
         set_uniform(program, "u_shadow_from_world", desc_.shadows->from_world);
         set_uniform(program, "u_to_sun", glm::normalize(desc_.light.sun.direction));
         set_uniform(program, "u_strength", desc_.light.sun.strength);
-        set_uniform(program, "u_normal_offset", 3.0f * desc_.shadows->texel); // half the filter's width
+        set_uniform(program, "u_normal_offset", kNormalOffset * desc_.shadows->texel);
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         for (int layer = 0; layer < plan().layers; ++layer) {
@@ -478,7 +480,7 @@ std::vector<float> SceneRenderer::read_picture(Picture picture) const {
 
 std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum format) const {
     const bool is_depth = slot == DGB_DEPTH;
-    const bool has_layers = is_depth || slot == DGB_ALBEDO || slot == DGB_NORMAL || slot == DGB_RADIANCE;
+    const bool has_layers = slot <= DGB_ORACLE; // arrays come first among the slots
     const GLenum attachment = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
     const int guard = desc_.layers.guard_band;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, read_framebuffer_.name());

@@ -8,7 +8,6 @@
 #include "deepgbuffer_gl.h"
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,9 +63,9 @@ public:
 
     const dgb_plan& plan() const { return library_.context.plan; }
 
-    // Of the last frame's layers. Nothing where the driver does not count, and then always nothing.
+    // What it took to build the last frame's layers.
     DrawCounts draw_counts() const { return draw_counts_; }
-    std::optional<uint64_t> vertices_shaded() const;
+    std::optional<uint64_t> vertices_shaded() const; // none where the driver does not count
 
     // All pictures are of the last frame, without guard band, bottom row first.
     enum class Picture { final, direct, indirect }; // linear RGB; direct holds emission and the sky's pixels
