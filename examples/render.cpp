@@ -247,6 +247,7 @@ private:
     std::vector<uint8_t> tone_mapped(const Floats& linear) const;
     void write_picture(const char* name, const std::vector<uint8_t>& rgb) const;
     void write_pictures(const std::vector<uint8_t>& final_rgb) const;
+    void write_pair(const char* name, Picture picture) const;
     RunReport report(const std::vector<uint8_t>& final_rgb) const;
 
     Options options_;
@@ -345,13 +346,19 @@ void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
     write_picture("layer0", albedo(*renderer_, 0));
     write_picture("layer1", albedo(with_two, 1));
 
-    const std::vector<uint8_t> other_rgb = tone_mapped(other_->read_picture(Picture::final));
-    const bool one_first = options_.layers > 1;
-    const std::string path = (fs::path(options_.out) / "one_vs_two.png").string();
+    write_pair("one_vs_two", Picture::final);
+    write_pair("indirect_one_vs_two", Picture::indirect);
+}
+
+// The picture with one layer beside that with two.
+void Run::write_pair(const char* name, Picture picture) const {
+    const bool has_two = options_.layers > 1;
+    const SceneRenderer &one = has_two ? *other_ : *renderer_, &two = has_two ? *renderer_ : *other_;
     const std::vector<uint8_t> pair =
-        side_by_side(one_first ? other_rgb : final_rgb, "one layer", one_first ? final_rgb : other_rgb,
-                     "two layers", width, height);
-    require_written(write_png(path, 2 * width, height, pair), path);
+        side_by_side(tone_mapped(one.read_picture(picture)), "one layer", tone_mapped(two.read_picture(picture)),
+                     "two layers", options_.width, options_.height);
+    const std::string path = (fs::path(options_.out) / (std::string(name) + ".png")).string();
+    require_written(write_png(path, 2 * options_.width, options_.height, pair), path);
 }
 
 RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {

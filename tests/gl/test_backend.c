@@ -311,6 +311,22 @@ static void test_deleted_program(void** state) {
     dgb_shutdown(&c);
 }
 
+/* An engine may still have a texture of the library bound when it goes. */
+static void test_bound_texture_goes(void** state) {
+    dgb_desc    d = small_desc();
+    dgb_context c;
+    GLint       bound;
+    (void)state;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&c, DGB_AO)));
+    dgb_shutdown(&c);
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
+    assert_int_equal(bound, 0);
+    assert_int_equal(f.messages, 0);
+    glActiveTexture(GL_TEXTURE0);
+}
+
 /* >> objects */
 
 enum { NAMES = 4096 };
@@ -642,7 +658,8 @@ int main(void) {
         cmocka_unit_test(test_two_contexts),      cmocka_unit_test(test_own_layers),
         cmocka_unit_test(test_depth_only),        cmocka_unit_test(test_bad_init),
         cmocka_unit_test(test_timers),            cmocka_unit_test(test_prefix_lengths),
-        cmocka_unit_test(test_deleted_program),   cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_deleted_program),   cmocka_unit_test(test_bound_texture_goes),
+        cmocka_unit_test(test_no_messages),
         cmocka_unit_test(test_out_of_memory),     cmocka_unit_test(test_state_is_restored),
         cmocka_unit_test(test_hostile_state_changes_nothing), cmocka_unit_test(test_gl33),
         cmocka_unit_test(test_no_messages),
