@@ -171,6 +171,7 @@ typedef enum dgb_result {
     X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                           \
     X(ENUM, "an enum of the desc is out of range")                                                                   \
     X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")        \
+    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")                 \
     X(EMISSION, "the backend does not offer this emission")                                                          \
     X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                                 \
     X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                              \
@@ -228,6 +229,8 @@ typedef enum dgb_oracle {
     DGB_ORACLE_PEEL,        /* paper, Listing 1 */
     DGB_ORACLE_PREVIOUS,    /* paper, section 2.2 */
     DGB_ORACLE_REPROJECT,   /* paper, section 2.2 */
+    DGB_ORACLE_PREDICT,     /* paper, section 2.2; a depth-only pass a frame more */
+    DGB_ORACLE_DELAY,       /* paper, section 2.2; likewise, and one frame of latency */
     DGB_ORACLE_COUNT
 } dgb_oracle;
 
@@ -236,6 +239,9 @@ typedef enum dgb_emission {
     DGB_EMISSION_SEPARATE, /* one draw callback a layer */
     DGB_EMISSION_GEOMETRY, /* one draw callback; a geometry shader emits every triangle to every layer */
     DGB_EMISSION_VERTEX,   /* one draw callback; instances times layers, the vertex shader picks the layer */
+    DGB_EMISSION_INSTANCED_GEOMETRY, /* one draw callback; one geometry-shader invocation a layer */
+    DGB_EMISSION_IMAGE,    /* one draw callback, one rasterisation: deeper layers by compare and store in images */
+    DGB_EMISSION_MULTICAST, /* one draw callback; NVIDIA's pass-through geometry shader and viewport multicast */
     DGB_EMISSION_COUNT
 } dgb_emission;
 
@@ -275,6 +281,7 @@ typedef enum dgb_format {
     DGB_FORMAT_RGBA16F,
     DGB_FORMAT_R32F,
     DGB_FORMAT_RG32F,
+    DGB_FORMAT_R32UI,
     DGB_FORMAT_D16,
     DGB_FORMAT_D24,
     DGB_FORMAT_D32F,
@@ -289,7 +296,9 @@ typedef enum dgb_format {
     X(DGB_NORMAL, "normal")                                                             \
     X(DGB_RADIANCE, "radiance")                                                         \
     X(DGB_VELOCITY, "velocity")                                                         \
-    X(DGB_ORACLE, "oracle") /* the depth layers of the previous frame */                \
+    X(DGB_ORACLE, "oracle") /* the depth layers that the keep test compares with */     \
+    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */  \
+    X(DGB_KEY, "key")       /* depth bits of deeper layers (IMAGE emission) */          \
     /* the engine's own layers: 2D textures */                                          \
     X(DGB_ENGINE_DEPTH0, "engine_depth0")                                               \
     X(DGB_ENGINE_DEPTH1, "engine_depth1")                                               \
@@ -321,6 +330,8 @@ typedef enum dgb_slot {
 
 typedef enum dgb_pass_id {
     DGB_PASS_LAYERS = 0,
+    DGB_PASS_RESOLVE, /* IMAGE emission: depth bits into the depth layers */
+    DGB_PASS_PREDICT, /* PREDICT, DELAY: depth layers of the next pose */
     DGB_PASS_PACK,
     DGB_PASS_MIP,
     DGB_PASS_AO,
@@ -471,6 +482,7 @@ typedef struct dgb_caps {
     int  max_size;                     /* largest texture side, pixels */
     int  max_layers;                   /* largest array texture */
     bool clip_zero_to_one;             /* can set DGB_CLIP_ZERO_TO_ONE */
+    bool deep_viewport;                /* can give deeper layers another viewport, of a fractional size */
     bool emission[DGB_EMISSION_COUNT]; /* which emissions work; SEPARATE always must */
 } dgb_caps;
 
@@ -506,7 +518,12 @@ typedef struct dgb_pass {
     int         color_count;
     dgb_target  colors[DGB_MAX_TARGETS];
     dgb_target  depth;                /* texture.id 0: none */
-    int         x, y, width, height;  /* viewport, pixels of the target */
+    int         x, y;                 /* viewport, pixels of the target */
+    float       width, height;        /* whole, but for deeper layers of a lower resolution */
+    float       deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
+    dgb_emission emission;            /* LAYERS */
+    dgb_texture key;                  /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
+    int         key_layers;
     bool        clear;                /* colours to 0, depth to clear_depth */
     float       clear_depth;
     bool        reversed;             /* depth test: nearer is greater */
@@ -540,6 +557,7 @@ typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders 
     float      previous_distance[4];
     float      size[4];  /* buffer width and height in pixels, separation in m, depth codes (65535, 16777215; 0 float) */
     int32_t    layer[4]; /* first layer, layer count, oracle, instance multiplier */
+    int32_t    flags[4]; /* divisor of this pass's deeper layers, 1 for reversed depth */
 } dgb_draw_uniforms;
 
 typedef struct dgb_pack_uniforms {
@@ -580,6 +598,7 @@ typedef struct dgb_desc { /* 0 means default */
     int            width, height; /* image, pixels, without guard band */
     int            guard_band;    /* pixels on every side; default 0 */
     int            layers;        /* default 2 */
+    int            divisor;       /* resolution of layers behind the first: 1 / divisor; 1, 2 or 4; default 1 */
     uint32_t       effects;       /* DGB_EFFECT_*; default none */
     uint32_t       targets;       /* DGB_TARGET_*; default all four */
     dgb_source     source;
@@ -634,6 +653,8 @@ typedef struct dgb_view {
     float projection[16]; /* of the image: no guard band, no jitter */
     float jitter[2];      /* pixels; added to the widened projection */
     bool  cut;            /* the camera jumped: last frame is of no use */
+    bool  has_next;       /* next_view is known; else PREDICT goes on moving as from the last frame to this */
+    float next_view[16];  /* of the next frame, for PREDICT */
 } dgb_view;
 
 typedef struct dgb_draw { /* what the engine's draw callback is told */
@@ -641,6 +662,9 @@ typedef struct dgb_draw { /* what the engine's draw callback is told */
     int          instances;                /* multiply your instance count, and attribute divisors, by this */
     dgb_oracle   oracle;                   /* of this pass: PEEL on first frames */
     dgb_emission emission;
+    int          pose;                     /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
+                                              or after it (1: PREDICT); `previous` is the pose before that */
+    bool         depth_only;               /* no colour is kept: a cheaper program will do */
     int          width, height;            /* buffer, guard band included */
     float        view[16], projection[16]; /* projection: widened and jittered; draw with it */
     float        previous_view[16], previous_projection[16];
@@ -656,6 +680,10 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture radiance[DGB_MAX_SHADED_LAYERS]; /* outgoing radiance; read for radiosity only */
 } dgb_layers;
 
+typedef struct dgb_pose { /* a camera as drawn with: the projection widened and jittered */
+    float view[16], projection[16];
+} dgb_pose;
+
 typedef struct dgb_context { /* yours to place; its members are the library's */
     uint32_t    initialised;
     dgb_desc    desc;
@@ -665,8 +693,10 @@ typedef struct dgb_context { /* yours to place; its members are the library's */
     dgb_program programs[DGB_MAX_PROGRAMS];
     bool        has_layers;   /* something to shade */
     bool        has_previous; /* the oracle holds a frame */
-    dgb_camera  camera;
-    float       view[16], projection[16]; /* of the last build; the projection widened and jittered */
+    dgb_pose    drawn;        /* last */
+    dgb_pose    pending;      /* DELAY: submitted, not drawn yet */
+    dgb_camera  camera;       /* of `drawn` */
+    dgb_camera  oracle_camera; /* that the depth for the next frame's keep test was drawn with */
 } dgb_context;
 
 /* Creates every texture and program of the plan. All or nothing: on failure *context is as before. Do not call it on a
@@ -1156,7 +1186,7 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "pack", "mip", "ao", "gather", "reconstruct"};
+    static const char* const names[] = {"layers", "resolve", "predict", "pack", "mip", "ao", "gather", "reconstruct"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1165,19 +1195,19 @@ static const struct {
     const char* name;
     int         bytes;
 } dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},   {"RG8", 2},   {"RGBA8", 4}, {"R11G11B10F", 4}, {"RG16F", 4},
-                                    {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"D16", 2},   {"D24", 4},        {"D32F", 4}};
+                                    {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"R32UI", 4}, {"D16", 2},   {"D24", 4},        {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
 }
 
 DGB_API const char* dgb_oracle_name(dgb_oracle oracle) {
-    static const char* const names[] = {"default", "peel", "previous", "reproject"};
+    static const char* const names[] = {"default", "peel", "previous", "reproject", "predict", "delay"};
     return dgbi_in_range((int)oracle, 0, DGB_ORACLE_COUNT - 1) ? names[oracle] : "?";
 }
 
 DGB_API const char* dgb_emission_name(dgb_emission emission) {
-    static const char* const names[] = {"auto", "separate", "geometry", "vertex"};
+    static const char* const names[] = {"auto", "separate", "geometry", "vertex", "instanced-geometry", "image", "multicast"};
     return dgbi_in_range((int)emission, 0, DGB_EMISSION_COUNT - 1) ? names[emission] : "?";
 }
 
@@ -1196,6 +1226,13 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
     if (effects) targets |= DGB_TARGET_NORMAL;
     if (effects & DGB_EFFECT_RADIOSITY) targets |= DGB_TARGET_RADIANCE;
     return targets;
+}
+
+static bool dgbi_divisor_ok(const dgb_desc* d) {
+    const int smaller = dgbi_min(d->width, d->height) + 2 * d->guard_band;
+    if (d->divisor == 0 || d->divisor == 1) return true;
+    return (d->divisor == 2 || d->divisor == 4) && d->divisor <= smaller &&
+           d->emission != DGB_EMISSION_IMAGE && d->emission != DGB_EMISSION_MULTICAST;
 }
 
 static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
@@ -1217,9 +1254,11 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
-    if (d->source == DGB_SOURCE_ENGINE) return d->oracle || d->emission || d->targets ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
+    if (d->source == DGB_SOURCE_ENGINE)
+        return d->oracle || d->emission || d->targets || d->divisor > 1 ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
     if ((targets & ~(uint32_t)DGB_TARGET_ALL) || (dgbi_required_targets(d->effects) & ~targets)) return DGB_LOG_TARGETS;
     if (d->oracle == DGB_ORACLE_PEEL && d->emission > DGB_EMISSION_SEPARATE) return DGB_LOG_PEEL_EMISSION;
+    if (!dgbi_divisor_ok(d)) return DGB_LOG_DIVISOR;
     return DGB_LOG_NONE;
 }
 
@@ -1227,6 +1266,7 @@ static dgb_log_item dgbi_check_caps(const dgb_desc* d) {
     if (!d->backend || d->source == DGB_SOURCE_ENGINE) return DGB_LOG_NONE;
     if (d->emission && !d->backend->caps.emission[d->emission]) return DGB_LOG_EMISSION;
     if (d->clip == DGB_CLIP_ZERO_TO_ONE && !d->backend->caps.clip_zero_to_one) return DGB_LOG_CLIP;
+    if (d->divisor > 1 && !d->backend->caps.deep_viewport) return DGB_LOG_DIVISOR;
     return DGB_LOG_NONE;
 }
 
@@ -1239,12 +1279,15 @@ static dgb_emission dgbi_choose_emission(const dgb_desc* d) {
 
 static void dgbi_resolve_defaults(dgb_desc* d) {
     if (!d->layers) d->layers = 2;
+    if (!d->divisor) d->divisor = 1;
     if (!d->depth_format) d->depth_format = DGB_FORMAT_D32F;
     if (d->source == DGB_SOURCE_ENGINE) return;
     if (!d->targets) d->targets = DGB_TARGET_ALL;
     if (!d->oracle) d->oracle = d->layers == 1 ? DGB_ORACLE_PEEL : DGB_ORACLE_REPROJECT;
     d->emission = dgbi_choose_emission(d);
 }
+
+static bool dgbi_has_prediction(dgb_oracle oracle) { return oracle == DGB_ORACLE_PREDICT || oracle == DGB_ORACLE_DELAY; }
 
 static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
     dgb_texture_desc* t = &plan->textures[plan->texture_count++];
@@ -1299,6 +1342,23 @@ static void dgbi_add_output(dgb_plan_pass* pass, dgb_slot slot) {
     pass->outputs[pass->output_count++] = slot;
 }
 
+/* Run once for each layer behind the first. */
+static void dgbi_plan_resolve(const dgb_desc* d, dgb_plan* plan) {
+    const int      program = dgbi_add_program(plan, DGB_PASS_RESOLVE);
+    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_RESOLVE, 0, program);
+    dgbi_add_texture(plan, DGB_KEY, DGB_FORMAT_R32UI, d->layers - 1, 1);
+    dgbi_add_input(pass, DGB_KEY);
+    dgbi_add_output(pass, DGB_DEPTH);
+}
+
+/* Depth of every layer but the last, of the next pose: the deeper ones are themselves kept behind this pose's oracle. */
+static void dgbi_plan_predict(const dgb_desc* d, dgb_plan* plan) {
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PREDICT, 0, -1);
+    dgbi_add_texture(plan, DGB_PREDICTED, d->depth_format, d->layers - 1, 1);
+    if (d->layers > 2) dgbi_add_input(pass, DGB_ORACLE);
+    dgbi_add_output(pass, DGB_PREDICTED);
+}
+
 static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     static const struct {
         uint32_t   target;
@@ -1319,10 +1379,12 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     if (d->layers == 1) return; /* nothing to compare with */
     if (d->oracle == DGB_ORACLE_PEEL) {
         dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
-    } else {
-        dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, d->layers, 1);
-        dgbi_add_input(pass, DGB_ORACLE);
+        return;
     }
+    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, dgbi_has_prediction(d->oracle) ? d->layers - 1 : d->layers, 1);
+    dgbi_add_input(pass, DGB_ORACLE);
+    if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
+    if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
 }
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pass* pass) {
@@ -1357,6 +1419,7 @@ static void dgbi_plan_pack(const dgb_desc* d, int layers, dgb_plan* plan) {
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_NORMALS_FORMAT", d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_texture(plan, DGB_Z, layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F, 0, plan->levels);
     dgbi_add_texture(plan, DGB_NORMALS, layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0, radiance ? plan->levels : 1);
     if (radiance) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, plan->levels);
@@ -1380,10 +1443,11 @@ static void dgbi_plan_mip(const dgb_desc* d, int layers, dgb_plan* plan) {
     }
 }
 
-static void dgbi_plan_ao(int layers, dgb_plan* plan) {
+static void dgbi_plan_ao(const dgb_desc* d, int layers, dgb_plan* plan) {
     const int      program = dgbi_add_program(plan, DGB_PASS_AO);
     dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
@@ -1401,6 +1465,7 @@ static void dgbi_plan_gather(const dgb_desc* d, int layers, dgb_plan* plan) {
         dgbi_add_define(plan, "DGB_LAYERS", layers);
         dgbi_add_define(plan, "DGB_NORMAL_TEST", normal_test);
         dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
+        dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
@@ -1450,7 +1515,7 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
     dgbi_plan_pack(d, shaded, plan);
     dgbi_plan_mip(d, shaded, plan);
-    if (d->effects & DGB_EFFECT_AO) dgbi_plan_ao(shaded, plan);
+    if (d->effects & DGB_EFFECT_AO) dgbi_plan_ao(d, shaded, plan);
     if (d->effects & DGB_EFFECT_RADIOSITY) dgbi_plan_gather(d, shaded, plan);
     dgbi_plan_reconstruct(d, plan);
 }
@@ -1622,8 +1687,8 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
 static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id          = plan_pass->id;
-    pass->color_count = plan_pass->output_count;
-    for (i = 0; i < plan_pass->output_count; ++i) {
+    pass->color_count = plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
+    for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
         pass->colors[i].level   = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
         pass->colors[i].layer   = layer;
@@ -1653,108 +1718,265 @@ static float dgbi_depth_codes(dgb_format format) {
     return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
 }
 
-static void dgbi_draw_uniforms(const dgb_context* c, const dgb_draw* draw, const dgb_camera* camera, float separation,
-                               dgb_draw_uniforms* u) {
+typedef struct dgbi_build { /* one submission: the layers, or the prediction */
+    const dgb_plan_pass* plan_pass; /* LAYERS or PREDICT */
+    dgb_slot             depth;     /* depth layers written */
+    int                  layers;
+    dgb_pose             pose, previous;
+    dgb_camera           camera;
+    dgb_oracle           oracle;
+    dgb_emission         emission;
+    int                  pose_offset; /* dgb_draw.pose */
+    float                separation;
+    dgb_draw_fn          draw;
+    void*                user;
+} dgbi_build;
+
+static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* draw) {
+    memset(draw, 0, sizeof *draw);
+    draw->oracle     = b->oracle;
+    draw->emission   = b->emission;
+    draw->pose       = b->pose_offset;
+    draw->depth_only = b->plan_pass->id == DGB_PASS_PREDICT;
+    draw->width      = c->plan.width;
+    draw->height     = c->plan.height;
+    memcpy(draw->view, b->pose.view, sizeof draw->view);
+    memcpy(draw->projection, b->pose.projection, sizeof draw->projection);
+    memcpy(draw->previous_view, b->previous.view, sizeof draw->view);
+    memcpy(draw->previous_projection, b->previous.projection, sizeof draw->projection);
+}
+
+static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw, dgb_draw_uniforms* u) {
     memset(u, 0, sizeof *u);
-    u->camera   = *camera;
-    u->previous = draw->oracle == DGB_ORACLE_PEEL ? *camera : c->camera; /* peeling reads this frame's depth */
+    u->camera   = b->camera;
+    u->previous = draw->oracle == DGB_ORACLE_PEEL ? b->camera : c->oracle_camera; /* peeling reads this frame's depth */
     dgbi_distance_row(draw->projection, u->distance);
     dgbi_distance_row(draw->previous_projection, u->previous_distance);
     u->size[0]  = (float)draw->width;
     u->size[1]  = (float)draw->height;
-    u->size[2]  = separation;
+    u->size[2]  = b->separation;
     u->size[3]  = dgbi_depth_codes(c->desc.depth_format);
     u->layer[0] = draw->first_layer;
     u->layer[1] = draw->layer_count;
     u->layer[2] = (int32_t)draw->oracle;
     u->layer[3] = draw->instances;
+    u->flags[0] = c->desc.divisor;
+    u->flags[1] = c->desc.reversed;
 }
 
-/* One pass of the layered target: all layers when draw->layer_count says so, else one. */
-static void dgbi_layer_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_draw* draw,
-                            const dgb_camera* camera, float separation, dgb_draw_fn draw_fn, void* user) {
-    const int         layer = draw->layer_count > 1 ? -1 : draw->first_layer;
+/* One layered pass: all layers at once, or one. IMAGE emission rasterises the first and reaches the others by itself. */
+static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
+    const bool        image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
+    const int         layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
+    const float       shrink = layer > 0 ? (float)c->desc.divisor : 1.0f;
     dgb_draw_uniforms uniforms;
     dgb_pass          pass;
     memset(&pass, 0, sizeof pass);
-    pass.depth.texture = c->textures[DGB_DEPTH];
+    pass.depth.texture = c->textures[b->depth];
     pass.depth.layer   = layer;
-    pass.width         = c->plan.width;
-    pass.height        = c->plan.height;
+    pass.width         = (float)c->plan.width / shrink;
+    pass.height        = (float)c->plan.height / shrink;
+    pass.deep_width    = (float)c->plan.width / (float)c->desc.divisor;
+    pass.deep_height   = (float)c->plan.height / (float)c->desc.divisor;
     pass.clear         = true;
     pass.clear_depth   = dgbi_clear_depth(c->desc.reversed);
     pass.reversed      = c->desc.reversed;
     pass.clip          = c->desc.clip;
-    dgbi_begin_pass(c, plan_pass, &pass, layer);
-    if (plan_pass->input_count)
+    pass.emission      = draw->emission;
+    if (image) {
+        pass.key        = c->textures[DGB_KEY];
+        pass.key_layers = c->plan.layers - 1;
+    }
+    dgbi_begin_pass(c, b->plan_pass, &pass, layer);
+    if (b->plan_pass->input_count)
         c->backend.texture_bind(c->backend.user, DGB_ORACLE,
-                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? DGB_DEPTH : DGB_ORACLE], -1);
-    dgbi_draw_uniforms(c, draw, camera, separation, &uniforms);
+                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->depth : DGB_ORACLE], -1);
+    dgbi_draw_uniforms(c, b, draw, &uniforms);
     c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
-    draw_fn(user, draw);
+    b->draw(b->user, draw);
     c->backend.pass_end(c->backend.user);
 }
 
-static void dgbi_swap_depth(dgb_context* c) {
-    const dgb_texture depth = c->textures[DGB_DEPTH];
-    if (!c->textures[DGB_ORACLE].id) return;
-    c->textures[DGB_DEPTH]  = c->textures[DGB_ORACLE];
-    c->textures[DGB_ORACLE] = depth;
+static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
+    const bool image_alone = b->emission == DGB_EMISSION_IMAGE && b->plan_pass->id == DGB_PASS_PREDICT;
+    dgb_draw   draw;
+    dgbi_marker(c, b->plan_pass->id, true);
+    dgbi_fill_draw(c, b, &draw);
+    if (b->oracle == DGB_ORACLE_PEEL || b->emission == DGB_EMISSION_SEPARATE || image_alone) {
+        draw.layer_count = draw.instances = 1;
+        for (draw.first_layer = 0; draw.first_layer < b->layers; ++draw.first_layer) dgbi_layer_pass(c, b, &draw);
+    } else {
+        draw.layer_count = b->layers;
+        draw.instances   = b->emission == DGB_EMISSION_VERTEX ? b->layers : 1;
+        dgbi_layer_pass(c, b, &draw);
+    }
+    dgbi_marker(c, b->plan_pass->id, false);
 }
 
-static void dgbi_fill_draw(const dgb_context* c, const dgb_view* view, dgb_draw* draw) {
-    const bool fresh = !c->has_previous || view->cut;
-    memset(draw, 0, sizeof *draw);
-    draw->oracle    = fresh ? DGB_ORACLE_PEEL : c->plan.oracle;
-    draw->emission  = c->plan.emission;
-    draw->instances = 1;
-    draw->width     = c->plan.width;
-    draw->height    = c->plan.height;
-    memcpy(draw->view, view->view, sizeof draw->view);
-    dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter, draw->projection);
-    memcpy(draw->previous_view, fresh ? draw->view : c->view, sizeof draw->view);
-    memcpy(draw->previous_projection, fresh ? draw->projection : c->projection, sizeof draw->projection);
+static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id) {
+    int i;
+    for (i = 0; i < plan->pass_count; ++i)
+        if (plan->passes[i].id == id) return &plan->passes[i];
+    return NULL;
+}
+
+/* IMAGE emission: the depth bits of each deeper layer become its depth. */
+static void dgbi_resolve(const dgb_context* c) {
+    const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
+    dgb_pass             pass;
+    int32_t              layer[4] = {0, 0, 0, 0};
+    dgbi_marker(c, DGB_PASS_RESOLVE, true);
+    for (layer[0] = 0; layer[0] < c->plan.layers - 1; ++layer[0]) {
+        memset(&pass, 0, sizeof pass);
+        pass.id            = DGB_PASS_RESOLVE;
+        pass.depth.texture = c->textures[DGB_DEPTH];
+        pass.depth.layer   = layer[0] + 1;
+        pass.width         = (float)c->plan.width;
+        pass.height        = (float)c->plan.height;
+        pass.clip          = c->desc.clip;
+        c->backend.pass_begin(c->backend.user, &pass);
+        dgbi_bind_inputs(c, plan_pass);
+        c->backend.uniforms_upload(c->backend.user, layer, sizeof layer);
+        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
+        c->backend.pass_end(c->backend.user);
+    }
+    dgbi_marker(c, DGB_PASS_RESOLVE, false);
+}
+
+static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
+    const dgb_texture texture = c->textures[a];
+    c->textures[a]            = c->textures[b];
+    c->textures[b]            = texture;
+}
+
+/* The inverse of an affine matrix, in double; false when it is singular. */
+static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
+    const double a = m[0], b = m[4], c = m[8], d = m[1], e = m[5], f = m[9], g = m[2], h = m[6], i = m[10];
+    const double cofactors[9] = {e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g,
+                                 c * d - a * f, d * h - e * g, b * g - a * h, a * e - b * d};
+    const double determinant  = a * cofactors[0] + b * cofactors[3] + c * cofactors[6];
+    int          row, column;
+    if (!(determinant > 0.0 || determinant < 0.0)) return false;
+    for (row = 0; row < 3; ++row) {
+        for (column = 0; column < 3; ++column) inverse[column * 3 + row] = cofactors[row * 3 + column] / determinant;
+        inverse[9 + row] = -(inverse[row] * m[12] + inverse[3 + row] * m[13] + inverse[6 + row] * m[14]);
+    }
+    return true;
+}
+
+/* product = m inverse, both affine: columns of three rows, then the translation. */
+static void dgbi_multiply_affine(const double m[12], const double n[12], double product[12]) {
+    int row, column;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row)
+            product[column * 3 + row] = m[row] * n[column * 3] + m[3 + row] * n[column * 3 + 1] +
+                                        m[6 + row] * n[column * 3 + 2] + (column == 3 ? m[9 + row] : 0.0);
+}
+
+/* The view after `now` when it goes on moving as from `before` to `now`: now before^-1 now. */
+static void dgbi_extrapolate_view(const float before[16], const float now[16], float next[16]) {
+    double inverse[12], affine[12], step[12], result[12];
+    int    row, column;
+    memcpy(next, now, sizeof(float) * 16);
+    if (!dgbi_invert_affine(before, inverse)) return;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)now[column * 4 + row];
+    dgbi_multiply_affine(affine, inverse, step);
+    dgbi_multiply_affine(step, affine, result);
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) next[column * 4 + row] = (float)result[column * 3 + row];
+}
+
+static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_pose* pose) {
+    memcpy(pose->view, view->view, sizeof pose->view);
+    dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter, pose->projection);
+}
+
+/* What the layers are drawn with: the pose submitted, or with DELAY the one before it. */
+static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, bool fresh, dgbi_build* b) {
+    const bool delayed = c->plan.oracle == DGB_ORACLE_DELAY && !fresh;
+    b->plan_pass       = &c->plan.passes[0];
+    b->depth           = DGB_DEPTH;
+    b->layers          = c->plan.layers;
+    b->pose            = delayed ? c->pending : *submitted;
+    b->previous        = fresh ? b->pose : c->drawn;
+    b->oracle          = fresh ? DGB_ORACLE_PEEL : c->plan.oracle;
+    b->emission        = c->plan.emission;
+    b->pose_offset     = delayed ? -1 : 0;
+}
+
+/* What the next frame's oracle is drawn with: with DELAY the pose submitted, with PREDICT a guess. */
+static void dgbi_predict_build(const dgb_context* c, const dgb_pose* submitted, const dgb_view* view, bool fresh, dgbi_build* b) {
+    b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_PREDICT);
+    b->depth     = DGB_PREDICTED;
+    b->layers    = c->plan.layers - 1;
+    b->previous  = b->pose;
+    b->pose      = *submitted;
+    b->pose_offset = c->plan.oracle == DGB_ORACLE_PREDICT ? 1 : 0;
+    if (c->plan.oracle != DGB_ORACLE_PREDICT) return;
+    if (view->has_next)
+        memcpy(b->pose.view, view->next_view, sizeof b->pose.view);
+    else if (!fresh)
+        dgbi_extrapolate_view(c->drawn.view, submitted->view, b->pose.view);
 }
 
 static dgb_log_item dgbi_check_view(const dgb_view* view, bool reversed) {
     if (!dgbi_all_finite(view->view, 16) || !dgbi_all_finite(view->jitter, 2)) return DGB_LOG_MATRIX;
+    if (view->has_next && !dgbi_all_finite(view->next_view, 16)) return DGB_LOG_MATRIX;
     return dgbi_check_projection(view->projection, reversed);
+}
+
+static dgb_result dgbi_camera_of(const dgb_context* c, const dgb_pose* pose, dgb_camera* camera) {
+    return dgb_camera_from_matrix(pose->projection, c->plan.width, c->plan.height, c->desc.clip, c->desc.reversed, camera);
 }
 
 DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw_fn, void* user) {
     dgb_log_item item = DGB_LOG_NONE;
-    dgb_camera   camera;
-    dgb_draw     draw;
+    dgb_pose     submitted;
+    dgb_camera   camera; /* of the pose submitted */
+    dgbi_build   b;
+    bool         fresh, predicts;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!view || !params || !draw_fn) item = DGB_LOG_NULL_ARGUMENT;
     if (item == DGB_LOG_NONE && context->desc.source != DGB_SOURCE_BUILD) item = DGB_LOG_WRONG_SOURCE;
     if (item == DGB_LOG_NONE) item = dgbi_check_view(view, context->desc.reversed);
     if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
-    dgbi_fill_draw(context, view, &draw);
-    if (dgb_camera_from_matrix(draw.projection, draw.width, draw.height, context->desc.clip, context->desc.reversed, &camera))
-        return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+    dgbi_submitted_pose(context, view, &submitted);
+    if (dgbi_camera_of(context, &submitted, &camera)) return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+
+    fresh    = !context->has_previous || view->cut;
+    predicts = context->textures[DGB_PREDICTED].id != 0;
+    memset(&b, 0, sizeof b);
+    b.separation = params->separation;
+    b.draw       = draw_fn;
+    b.user       = user;
+    if (predicts)
+        dgbi_swap(context, DGB_PREDICTED, DGB_ORACLE);
+    else if (context->textures[DGB_ORACLE].id)
+        dgbi_swap(context, DGB_DEPTH, DGB_ORACLE);
+    dgbi_main_build(context, &submitted, fresh, &b);
+    b.camera = camera;
+    if (b.pose_offset) (void)dgbi_camera_of(context, &b.pose, &b.camera); /* was fine when it was submitted */
 
     dgbi_begin(&context->backend);
-    dgbi_marker(context, DGB_PASS_LAYERS, true);
-    dgbi_swap_depth(context);
-    if (draw.oracle == DGB_ORACLE_PEEL || draw.emission == DGB_EMISSION_SEPARATE) {
-        draw.layer_count = 1;
-        for (draw.first_layer = 0; draw.first_layer < context->plan.layers; ++draw.first_layer)
-            dgbi_layer_pass(context, &context->plan.passes[0], &draw, &camera, params->separation, draw_fn, user);
-    } else {
-        draw.layer_count = context->plan.layers;
-        draw.instances   = draw.emission == DGB_EMISSION_VERTEX ? context->plan.layers : 1;
-        dgbi_layer_pass(context, &context->plan.passes[0], &draw, &camera, params->separation, draw_fn, user);
+    dgbi_submit(context, &b);
+    if (context->textures[DGB_KEY].id && !fresh) dgbi_resolve(context);
+    context->camera = b.camera;
+    if (predicts) {
+        const dgb_pose drawn = b.pose;
+        dgbi_predict_build(context, &submitted, view, fresh, &b);
+        b.camera = camera; /* the projection is the submitted one's */
+        dgbi_submit(context, &b);
+        b.pose = drawn;
     }
-    dgbi_marker(context, DGB_PASS_LAYERS, false);
     dgbi_end(&context->backend);
 
-    context->camera = camera;
-    memcpy(context->view, draw.view, sizeof context->view);
-    memcpy(context->projection, draw.projection, sizeof context->projection);
-    context->has_previous = true;
-    context->has_layers   = true;
+    context->oracle_camera = b.camera;
+    context->drawn         = b.pose;
+    context->pending       = submitted;
+    context->has_previous  = true;
+    context->has_layers    = true;
     return DGB_OK;
 }
 
@@ -1792,8 +2014,8 @@ DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, co
                                context->desc.reversed, &camera))
         return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
     memcpy(context->textures, textures, sizeof textures);
-    memcpy(context->view, view->view, sizeof context->view);
-    memcpy(context->projection, projection, sizeof projection);
+    memcpy(context->drawn.view, view->view, sizeof context->drawn.view);
+    memcpy(context->drawn.projection, projection, sizeof projection);
     context->camera     = camera;
     context->has_layers = true;
     return DGB_OK;
@@ -1807,7 +2029,7 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
     u->camera = c->camera;
     for (column = 0; column < 3; ++column)
         for (row = 0; row < 3; ++row)
-            u->rotation[column][row] = c->desc.world_normals ? c->view[column * 4 + row] : column == row ? 1.0f : 0.0f;
+            u->rotation[column][row] = c->desc.world_normals ? c->drawn.view[column * 4 + row] : column == row ? 1.0f : 0.0f;
     u->separation[0] = q->strict_separation ? q->separation : -1.0f;
     u->separation[1] = dgbi_depth_codes(c->desc.depth_format);
     u->size[0]       = c->plan.width;
@@ -1909,6 +2131,8 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
     case DGB_PASS_RECONSTRUCT: dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct; break;
     case DGB_PASS_LAYERS:
+    case DGB_PASS_RESOLVE:
+    case DGB_PASS_PREDICT:
     case DGB_PASS_MIP: /* copies: nothing to tell */
     case DGB_PASS_COUNT: return;
     }
@@ -1934,8 +2158,8 @@ static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_
     dgbi_fullscreen_rect(c, plan_pass, q, rect);
     pass.x      = rect[0];
     pass.y      = rect[1];
-    pass.width  = rect[2];
-    pass.height = rect[3];
+    pass.width  = (float)rect[2];
+    pass.height = (float)rect[3];
     dgbi_begin_pass(c, plan_pass, &pass, 0);
     dgbi_bind_inputs(c, plan_pass);
     dgbi_upload_uniforms(c, plan_pass, q);
@@ -1954,7 +2178,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     dgbi_begin(&context->backend);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
-        if (pass->id == DGB_PASS_LAYERS) continue;
+        if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
         if (pass[-(i > 0)].id != pass->id || i == 0) dgbi_marker(context, pass->id, true);
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);

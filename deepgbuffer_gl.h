@@ -57,6 +57,7 @@ extern "C" {
 
 #define DGBGL_MAX_FRAMEBUFFERS 48
 #define DGBGL_MAX_UNITS 6
+#define DGBGL_MAX_IMAGES 5
 #define DGBGL_MAX_VIEWPORTS 16
 #define DGBGL_MAX_DRAW_BUFFERS 8
 #define DGBGL_TOGGLE_COUNT 25
@@ -166,6 +167,9 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, DepthRangeIndexed, (unsigned int, double, double))                                                          \
     X(void, ClipControl, (unsigned int, unsigned int))                                                                  \
     X(void, TextureBarrier, (void))                                                                                     \
+    X(void, MemoryBarrier, (unsigned int))                                                                              \
+    X(void, BindImageTexture, (unsigned int, unsigned int, int, unsigned char, int, unsigned int, unsigned int))        \
+    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                                                                     \
     X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                        \
     X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                                  \
     X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                             \
@@ -204,6 +208,7 @@ typedef struct dgbgl_state { /* the engine's, while a dgb_* call runs */
     int           active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
     int           samplers[DGBGL_MAX_UNITS + 1];
     int           unpack_buffer, unpack[6];
+    int           images[DGBGL_MAX_IMAGES][6]; /* name, level, layered, layer, access, format */
 } dgbgl_state;
 
 typedef struct dgbgl_backend { /* yours to place; its members are the library's, but for the three that say "read" */
@@ -212,7 +217,8 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     bool            es;        /* read: OpenGL ES */
     dgbgl_functions gl;
     dgbgl_desc      desc;
-    bool            indexed_viewports, indexed_buffers;
+    bool            indexed_viewports, indexed_buffers, images;
+    bool            interlock; /* image emission is ordered by the extension, not by a rasteriser known to be in order */
     const char*     layer_extension; /* that lets a vertex shader write gl_Layer, or null */
     unsigned int    vertex_array, uniform_buffer, sampler;
     struct {
@@ -442,6 +448,7 @@ static const char* const dgbgli_glsl_layers[] = { /* 10_layers.glsl */
     "    vec4       dgb_draw_previous_distance;\n"
     "    vec4       dgb_draw_size;              // buffer width, height (pixels), separation (m), depth codes (0: float depth)\n"
     "    ivec4      dgb_draw_layer;             // first layer, layer count, oracle, instance multiplier\n"
+    "    ivec4      dgb_draw_flags;             // divisor of deeper layers' resolution, 1 for reversed depth\n"
     "};\n",
     0
 };
@@ -464,7 +471,10 @@ static const char* const dgbgli_glsl_layers_vertex[] = { /* 11_layers_vertex.gls
     "    dgb_v_layer    = dgb_draw_layer.x;\n"
     "#if DGB_EMISSION_VERTEX\n"
     "    dgb_v_layer += gl_InstanceID % dgb_draw_layer.w;\n"
-    "    gl_Layer     = dgb_v_layer; // ignored while layers are drawn one at a time\n"
+    "    gl_Layer = dgb_v_layer; // ignored while layers are drawn one at a time\n"
+    "#if DGB_DIVISOR > 1\n"
+    "    gl_ViewportIndex = dgb_draw_layer.y > 1 && dgb_v_layer > 0 ? 1 : 0;\n"
+    "#endif\n"
     "#endif\n"
     "}\n",
     0
@@ -474,9 +484,13 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#line 120001\n"
     "// Fragment part. Discard on alpha first, then `if (!dgb_keep()) discard;`, then dgb_store.\n"
     "\n"
-    "in vec4     dgb_v_current;\n"
-    "in vec4     dgb_v_previous;\n"
+    "in vec4 dgb_v_current;\n"
+    "in vec4 dgb_v_previous;\n"
+    "#if DGB_EMISSION_MULTICAST\n"
+    "#define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)\n"
+    "#else\n"
     "flat in int dgb_v_layer;\n"
+    "#endif\n"
     "\n"
     "#if DGB_LAYERS > 1\n"
     "uniform sampler2DArray dgb_oracle;\n"
@@ -500,13 +514,12 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "    return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;\n"
     "}\n"
     "\n"
-    "// Whether this fragment belongs to its layer. Layer 0 keeps all; layer j what is behind layer j-1 of the oracle by more\n"
-    "// than the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are\n"
-    "// exactly 0 when nothing moves: then every oracle gives what peeling gives, bit for bit.\n"
-    "bool dgb_keep() {\n"
+    "// Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than\n"
+    "// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0\n"
+    "// when nothing moves: then every oracle gives what peeling gives, bit for bit.\n"
+    "bool dgb_kept_in(int layer) {\n"
     "#if DGB_LAYERS > 1\n"
-    "    if (dgb_v_layer == 0) return true;\n"
-    "    vec2  pixel = gl_FragCoord.xy;\n"
+    "    vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer\n"
     "    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w), dgb_draw_camera);\n"
     "    if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {\n"
     "        vec2 then = pixel - dgb_velocity();\n"
@@ -516,12 +529,16 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "            z -= dgb_v_previous.w - dgb_v_current.w;\n"
     "        }\n"
     "    }\n"
-    "    float front = texelFetch(dgb_oracle, ivec3(ivec2(pixel), dgb_v_layer - 1), 0).r;\n"
-    "    return dgb_keep_test(z, dgb_linear_z(dgb_depth_code(front, dgb_draw_size.w), dgb_draw_previous), dgb_draw_size.z);\n"
+    "    ivec2 texel = ivec2(pixel) / (layer > 1 ? DGB_DIVISOR : 1);\n"
+    "    float front = dgb_depth_code(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_size.w);\n"
+    "    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);\n"
     "#else\n"
     "    return true;\n"
     "#endif\n"
     "}\n"
+    "\n"
+    "// Whether to go on with this fragment. The first layer keeps all.\n"
+    "bool dgb_keep() { return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer); }\n"
     "\n"
     "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
     "\n"
@@ -541,6 +558,78 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "    vec2 velocity    = dgb_velocity();\n"
     "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
     "#endif\n"
+    "}\n"
+    "\n"
+    "#if DGB_EMISSION_IMAGE\n"
+    "// Image emission: the pipeline rasterises the first layer only; a fragment that a deeper layer would keep competes for it here,\n"
+    "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n"
+    "layout(r32ui) coherent uniform uimage2DArray dgb_image_key;\n"
+    "#ifdef DGB_ALBEDO_LOCATION\n"
+    "layout(rgba8) writeonly uniform image2DArray dgb_image_albedo;\n"
+    "#endif\n"
+    "#ifdef DGB_NORMAL_LOCATION\n"
+    "layout(rgba8) writeonly uniform image2DArray dgb_image_normal;\n"
+    "#endif\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "layout(r11f_g11f_b10f) writeonly uniform image2DArray dgb_image_radiance;\n"
+    "#endif\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "layout(rg16f) writeonly uniform image2DArray dgb_image_velocity;\n"
+    "#endif\n"
+    "#if DGB_INTERLOCK\n"
+    "layout(pixel_interlock_ordered) in;\n"
+    "#endif\n"
+    "\n"
+    "void dgb_compete(int layer) {\n",
+    "    ivec3 texel = ivec3(ivec2(gl_FragCoord.xy), layer);\n"
+    "    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w)); // positive floats sort as integers\n"
+    "    uint  nearest = imageLoad(dgb_image_key, texel - ivec3(0, 0, 1)).x;\n"
+    "    if (dgb_draw_flags.y != 0 ? key <= nearest : key >= nearest) return;\n"
+    "    imageStore(dgb_image_key, texel - ivec3(0, 0, 1), uvec4(key));\n"
+    "#ifdef DGB_ALBEDO_LOCATION\n"
+    "    imageStore(dgb_image_albedo, texel, dgb_out_albedo);\n"
+    "#endif\n"
+    "#ifdef DGB_NORMAL_LOCATION\n"
+    "    imageStore(dgb_image_normal, texel, dgb_out_normal);\n"
+    "#endif\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "    imageStore(dgb_image_radiance, texel, dgb_out_radiance);\n"
+    "#endif\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "    imageStore(dgb_image_velocity, texel, dgb_out_velocity);\n"
+    "#endif\n"
+    "}\n"
+    "\n"
+    "void dgb_engine_main();\n"
+    "\n"
+    "void main() {\n"
+    "    dgb_engine_main();\n"
+    "#if DGB_INTERLOCK\n"
+    "    beginInvocationInterlockARB();\n"
+    "#endif\n"
+    "    for (int layer = 1; layer < dgb_draw_layer.y; ++layer)\n"
+    "        if (dgb_kept_in(layer)) dgb_compete(layer);\n"
+    "#if DGB_INTERLOCK\n"
+    "    endInvocationInterlockARB();\n"
+    "#endif\n"
+    "}\n"
+    "#define main dgb_engine_main\n"
+    "#endif\n",
+    0
+};
+
+static const char* const dgbgli_glsl_resolve[] = { /* 15_resolve.glsl */
+    "#line 150001\n"
+    "// Resolve, after image emission: the depth bits of a deeper layer become its depth.\n"
+    "\n"
+    "layout(std140) uniform dgb_resolve_block {\n"
+    "    ivec4 dgb_resolve_layer; // x: image of the key\n"
+    "};\n"
+    "\n"
+    "uniform usampler2DArray dgb_key;\n"
+    "\n"
+    "void main() {\n"
+    "    gl_FragDepth = uintBitsToFloat(texelFetch(dgb_key, ivec3(ivec2(gl_FragCoord.xy), dgb_resolve_layer.x), 0).x);\n"
     "}\n",
     0
 };
@@ -573,9 +662,12 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "uniform sampler2DArray dgb_normal;\n"
     "uniform sampler2DArray dgb_radiance;\n"
     "\n"
-    "float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, ivec3(p, layer), 0).r; }\n"
-    "vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, ivec3(p, layer), 0).rgb; }\n"
-    "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, ivec3(p, layer), 0).rgb; }\n"
+    "// Deeper layers may have a lower resolution: they fill a part of their images.\n"
+    "ivec3 dgb_texel(int layer, ivec2 p) { return ivec3(p / (layer > 0 ? DGB_DIVISOR : 1), layer); }\n"
+    "\n"
+    "float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, dgb_texel(layer, p), 0).r; }\n"
+    "vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, dgb_texel(layer, p), 0).rgb; }\n"
+    "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }\n"
     "#endif\n"
     "\n"
     "float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }\n"
@@ -618,14 +710,14 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "    vec3 y    = dgb_tangent(layer, p, ivec2(0, 1), here);\n"
     "    return dgb_oct16_encode(cross(x / z, y / z)); // free of units; zero without neighbours: +Z, towards the eye\n"
     "}\n"
-    "#elif DGB_NORMALS_FORMAT == 1\n"
+    "#elif DGB_NORMALS_FORMAT == 1\n",
     "vec2 dgb_normal_bytes(int layer, ivec2 p, float z) { return dgb_normal_at(layer, p).rg; }\n"
     "#else\n"
     "vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {\n"
     "#if DGB_NORMALS_FORMAT == 2\n"
     "    vec3 n = dgb_normal_at(layer, p) * 2.0 - 1.0;\n"
     "#else\n"
-    "    vec3 n = dgb_normal_at(layer, p);\n",
+    "    vec3 n = dgb_normal_at(layer, p);\n"
     "#endif\n"
     "    return dgb_oct16_encode(dgb_pack_rotation[0].xyz * n.x + dgb_pack_rotation[1].xyz * n.y + dgb_pack_rotation[2].xyz * n.z);\n"
     "}\n"
@@ -717,7 +809,12 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     "    tap.texel = min(p >> tap.level, (size >> tap.level) - 1);\n"
     "    tap.pixel = dgb_mip_source(tap.texel, tap.level);\n"
     "    return tap;\n"
-    "}\n",
+    "}\n"
+    "\n"
+    "#if DGB_LAYERS > 1\n"
+    "// Centre of the deeper layer's texel that the pixel shows.\n"
+    "vec2 dgb_deep_centre(ivec2 pixel) { return (vec2(pixel / DGB_DIVISOR) + 0.5) * float(DGB_DIVISOR); }\n"
+    "#endif\n",
     0
 };
 
@@ -765,6 +862,11 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
     "        vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;\n"
     "        float   a2    = dgb_occlusion_squared(ray_z, ray_1, zs.x, z, n);\n"
     "#if DGB_LAYERS > 1\n"
+    "#if DGB_DIVISOR > 1\n"
+    "        at    = dgb_deep_centre(tap.pixel);\n"
+    "        ray_z = at * dgb_ao_camera.position_z.xy + dgb_ao_camera.position_z.zw;\n"
+    "        ray_1 = at * dgb_ao_camera.position_1.xy + (dgb_ao_camera.position_1.zw - x.xy);\n"
+    "#endif\n"
     "        a2 = max(a2, dgb_occlusion_squared(ray_z, ray_1, zs.y, z, n));\n"
     "#endif\n"
     "        sum += tap.pixel != pixel ? sqrt(a2) : 0.0;\n"
@@ -834,6 +936,11 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "        float c0 = other * dgb_sender(ray_z, ray_1, zs.x, z, n, normals.xy);\n"
     "        vec3  l0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb * c0;\n"
     "#if DGB_LAYERS > 1\n"
+    "#if DGB_DIVISOR > 1\n"
+    "        at    = dgb_deep_centre(tap.pixel);\n"
+    "        ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;\n"
+    "        ray_1 = at * dgb_gather_camera.position_1.xy + (dgb_gather_camera.position_1.zw - x.xy);\n"
+    "#endif\n"
     "        float c1 = other * dgb_sender(ray_z, ray_1, zs.y, z, n, normals.zw);\n"
     "        vec3  l1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb * c1;\n"
     "        useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;\n"
@@ -1012,6 +1119,12 @@ enum {
     DGBGLI_R8 = 0x8229,
     DGBGLI_RG8 = 0x822B,
     DGBGLI_R32F = 0x822E,
+    DGBGLI_R32UI = 0x8236,
+    DGBGLI_RED_INTEGER = 0x8D94,
+    DGBGLI_READ_WRITE = 0x88BA,
+    DGBGLI_ALL_BARRIER_BITS = -1,
+    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
+    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_RG16F = 0x822F,
     DGBGLI_RG32F = 0x8230,
     DGBGLI_DEBUG_SOURCE_APPLICATION = 0x824A,
@@ -1081,6 +1194,7 @@ static const struct {
     {DGBGLI_RGBA16F, DGBGLI_RGBA, DGBGLI_FLOAT},
     {DGBGLI_R32F, DGBGLI_RED, DGBGLI_FLOAT},
     {DGBGLI_RG32F, DGBGLI_RG, DGBGLI_FLOAT},
+    {DGBGLI_R32UI, DGBGLI_RED_INTEGER, DGBGLI_UNSIGNED_INT},
     {DGBGLI_DEPTH_COMPONENT16, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
     {DGBGLI_DEPTH_COMPONENT24, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
     {DGBGLI_DEPTH_COMPONENT32F, DGBGLI_DEPTH_COMPONENT, DGBGLI_FLOAT}};
@@ -1135,14 +1249,14 @@ static void dgbgli_put_chunks(dgbgli_text* t, const char* const* chunks) {
 
 static void dgbgli_put_version(dgbgli_text* t, int version, bool es) {
     dgbgli_put(t, "#version ");
-    dgbgli_put_int(t, es ? 300 : version >= 410 ? 410 : 330);
+    dgbgli_put_int(t, es ? 300 : version >= 430 ? 430 : version >= 410 ? 410 : 330);
     dgbgli_put(t, es ? " es\n" : " core\n");
 }
 
 static void dgbgli_put_precision(dgbgli_text* t, bool es) {
     if (es)
         dgbgli_put(t, "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
-                      "precision highp sampler2DArray;\n");
+                      "precision highp sampler2DArray;\nprecision highp usampler2DArray;\n");
 }
 
 static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char* detail) {
@@ -1255,6 +1369,25 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
     }
 }
 
+/* Properties of an image binding, in the order of dgbgl_state.images. */
+static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */, 0x8F3C /* LAYERED */,
+                                                        0x8F3D /* LAYER */, 0x8F3E /* ACCESS */, 0x906E /* FORMAT */};
+
+static void dgbgli_save_images(const dgbgl_backend* b, dgbgl_state* s) {
+    int unit, i;
+    for (unit = 0; b->images && unit < DGBGL_MAX_IMAGES; ++unit)
+        for (i = 0; i < 6; ++i) b->gl.GetIntegeri_v(dgbgli_image_properties[i], (unsigned)unit, &s->images[unit][i]);
+}
+
+static void dgbgli_restore_images(const dgbgl_backend* b, const dgbgl_state* s) {
+    int unit;
+    for (unit = 0; b->images && unit < DGBGL_MAX_IMAGES; ++unit) {
+        const int* image = s->images[unit];
+        b->gl.BindImageTexture((unsigned)unit, (unsigned)image[0], image[1], (unsigned char)image[2], image[3],
+                               (unsigned)image[4], (unsigned)image[5]);
+    }
+}
+
 static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
     const unsigned int binding = (unsigned)b->desc.uniform_binding;
     int                i;
@@ -1273,6 +1406,7 @@ static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
         s->textures_array[i] = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D_ARRAY);
         s->samplers[i]       = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
     }
+    dgbgli_save_images(b, s);
     s->unpack_buffer = dgbgli_get(b, DGBGLI_PIXEL_UNPACK_BUFFER_BINDING);
     for (i = 0; i < 6; ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
 }
@@ -1353,6 +1487,7 @@ static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s
         b->gl.BindSampler((unsigned)unit, (unsigned)s->samplers[i]);
     }
     b->gl.ActiveTexture((unsigned)s->active_texture);
+    dgbgli_restore_images(b, s);
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, (unsigned)s->unpack_buffer);
     for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
 }
@@ -1373,9 +1508,11 @@ static void dgbgli_end(void* user) {
     dgbgli_restore_bindings(b, &b->state);
 }
 
-/* >> textures: the handle holds the GL name, and in its upper half whether it is an array */
+/* >> textures: the handle holds the GL name, above it whether it is an array (bit 32) and its format (from bit 40) */
 
-static bool dgbgli_is_array(dgb_texture texture) { return texture.id >> 32 != 0; }
+static bool dgbgli_is_array(dgb_texture texture) { return (texture.id >> 32 & 1u) != 0; }
+
+static dgb_format dgbgli_format(dgb_texture texture) { return (dgb_format)(texture.id >> 40); }
 
 static unsigned int dgbgli_target(dgb_texture texture) {
     return dgbgli_is_array(texture) ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
@@ -1445,7 +1582,7 @@ static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, d
         return error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
     }
     dgbgli_label(b, DGBGLI_TEXTURE, name, dgb_slot_name(d->slot));
-    texture->id = (uint64_t)name | (d->layers ? (uint64_t)1 << 32 : 0);
+    texture->id = (uint64_t)name | (uint64_t)(d->layers > 0) << 32 | (uint64_t)d->format << 40;
     return DGB_OK;
 }
 
@@ -1507,12 +1644,14 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
     switch (pass) {
+    case DGB_PASS_RESOLVE: dgbgli_add_chunks(c, dgbgli_glsl_resolve); break;
     case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
     case DGB_PASS_MIP: dgbgli_add_chunks(c, dgbgli_glsl_mip); break;
     case DGB_PASS_AO: dgbgli_add_chunks(c, dgbgli_glsl_ao); break;
     case DGB_PASS_GATHER: dgbgli_add_chunks(c, dgbgli_glsl_gather); break;
     case DGB_PASS_RECONSTRUCT: dgbgli_add_chunks(c, dgbgli_glsl_reconstruct); break;
     case DGB_PASS_LAYERS: /* the engine's own */
+    case DGB_PASS_PREDICT:
     case DGB_PASS_COUNT: break;
     }
 }
@@ -1572,6 +1711,7 @@ static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* 
 static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     switch (slot) {
     case DGB_Z:
+    case DGB_KEY:
     case DGB_DEPTH:
     case DGB_ENGINE_DEPTH0: return 0;
     case DGB_NORMALS:
@@ -1602,6 +1742,21 @@ static void dgbgli_connect_samplers(const dgbgl_backend* b, unsigned int program
         dgbgli_put(&t, dgb_slot_name((dgb_slot)slot));
         location = b->gl.GetUniformLocation(program, name);
         if (location >= 0) b->gl.Uniform1i(location, dgbgli_unit(b, (dgb_slot)slot));
+    }
+}
+
+/* Image units: the key is 0, then the layer targets in the order of their locations. */
+static void dgbgli_connect_images(const dgbgl_backend* b, const dgb_plan* plan, unsigned int program) {
+    int i;
+    b->gl.UseProgram(program);
+    for (i = -1; i < plan->passes[0].output_count; ++i) {
+        char        name[48];
+        dgbgli_text t = dgbgli_text_on(name, sizeof name);
+        int         location;
+        dgbgli_put(&t, "dgb_image_");
+        dgbgli_put(&t, i < 0 ? "key" : dgb_slot_name(plan->passes[0].outputs[i]));
+        location = b->gl.GetUniformLocation(program, name);
+        if (location >= 0) b->gl.Uniform1i(location, i + 1);
     }
 }
 
@@ -1703,18 +1858,48 @@ static void dgbgli_clear(const dgbgl_backend* b, const dgb_pass* pass) {
     if (pass->depth.texture.id) b->gl.ClearBufferfv(DGBGLI_DEPTH, 0, &pass->clear_depth);
 }
 
-static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
-    dgbgl_backend* b     = (dgbgl_backend*)user;
-    const bool     depth = pass->depth.texture.id != 0;
-    b->pass              = *pass;
-    if (depth) dgbgli_set_defaults(b); /* the engine's callback for another layer may have changed anything */
-    dgbgli_bind_framebuffer(b, pass);
-    b->gl.Viewport(pass->x, pass->y, pass->width, pass->height);
-    if (pass->clear) dgbgli_clear(b, pass);
-    if (!depth) {
-        b->gl.BindVertexArray(b->vertex_array);
-        return;
+static void dgbgli_bind_image(const dgbgl_backend* b, unsigned int unit, dgb_texture texture) {
+    b->gl.BindImageTexture(unit, dgbgl_texture_name(texture), 0, DGBGLI_TRUE, 0, DGBGLI_READ_WRITE,
+                           dgbgli_formats[dgbgli_format(texture)].internal);
+}
+
+/* Image emission: empties the deeper layers and their keys, and binds all of them as images. */
+static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
+    unsigned int clear_key[4] = {0, 0, 0, 0};
+    dgb_pass     deep         = *pass, key;
+    int          i, layer;
+    memcpy(clear_key, &pass->clear_depth, sizeof pass->clear_depth);
+    memset(&key, 0, sizeof key);
+    key.id                = pass->id;
+    key.color_count       = 1;
+    key.colors[0].texture = pass->key;
+    for (layer = 1; layer <= pass->key_layers; ++layer) {
+        for (i = 0; i < deep.color_count; ++i) deep.colors[i].layer = layer;
+        deep.depth.layer = layer;
+        dgbgli_bind_framebuffer(b, &deep);
+        dgbgli_clear(b, &deep);
+        key.colors[0].layer = layer - 1;
+        dgbgli_bind_framebuffer(b, &key);
+        b->gl.ClearBufferuiv(DGBGLI_COLOR, 0, clear_key);
     }
+    dgbgli_bind_image(b, 0, pass->key);
+    for (i = 0; i < pass->color_count; ++i) dgbgli_bind_image(b, (unsigned)(1 + i), pass->colors[i].texture);
+    b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
+}
+
+static void dgbgli_viewports(const dgbgl_backend* b, const dgb_pass* pass) {
+    if (b->indexed_viewports && pass->deep_width > 0.0f) {
+        int i;
+        /* multicast: viewport i is layer i, and all are alike; else viewport 1 serves every deeper layer */
+        for (i = 0; i < DGB_MAX_LAYERS; ++i) b->gl.ViewportIndexedf((unsigned)i, 0.0f, 0.0f, pass->width, pass->height);
+        if (pass->depth.layer < 0) b->gl.ViewportIndexedf(1, 0.0f, 0.0f, pass->deep_width, pass->deep_height);
+    } else {
+        b->gl.Viewport(pass->x, pass->y, (int)pass->width, (int)pass->height);
+    }
+}
+
+/* What an engine's draw callback may count on. */
+static void dgbgli_begin_layers(const dgbgl_backend* b, const dgb_pass* pass) {
     b->gl.Enable(DGBGLI_DEPTH_TEST);
     b->gl.DepthFunc(pass->reversed ? DGBGLI_GREATER : DGBGLI_LESS);
     if (b->gl.ClipControl)
@@ -1722,6 +1907,28 @@ static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
                           pass->clip == DGB_CLIP_ZERO_TO_ONE ? DGBGLI_ZERO_TO_ONE : DGBGLI_NEGATIVE_ONE_TO_ONE);
     /* peeling reads the layer in front of the one it writes, from the same texture */
     if (pass->depth.layer > 0 && b->gl.TextureBarrier) b->gl.TextureBarrier();
+}
+
+static bool dgbgli_is_fullscreen(const dgb_pass* pass) {
+    return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT;
+}
+
+static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    b->pass          = *pass;
+    if (!dgbgli_is_fullscreen(pass)) dgbgli_set_defaults(b); /* another layer's callback may have changed anything */
+    if (pass->key.id) dgbgli_begin_images(b, pass);
+    dgbgli_bind_framebuffer(b, pass);
+    dgbgli_viewports(b, pass);
+    if (pass->clear) dgbgli_clear(b, pass);
+    if (!dgbgli_is_fullscreen(pass)) {
+        dgbgli_begin_layers(b, pass);
+        return;
+    }
+    b->gl.BindVertexArray(b->vertex_array);
+    if (!pass->depth.texture.id) return;
+    b->gl.Enable(DGBGLI_DEPTH_TEST); /* resolve: depth is written only with the test on */
+    b->gl.DepthFunc(DGBGLI_ALWAYS);
 }
 
 static void dgbgli_level_range(const dgbgl_backend* b, dgb_texture texture, int base, int max) {
@@ -1762,6 +1969,7 @@ static void dgbgli_pass_end(void* user) {
         dgbgli_level_range(b, b->narrowed[i], 0, DGB_MAX_LEVELS - 1);
     }
     b->narrowed_count = 0;
+    if (b->pass.key.id) b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
     if (b->pass.depth.texture.id) dgbgli_set_defaults(b); /* whatever the engine's callback left */
 }
 
@@ -1862,16 +2070,30 @@ static void dgbgli_forget_unclaimed(dgbgl_backend* b) {
         b->layer_extension = "GL_AMD_vertex_shader_layer";
 }
 
+/* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
+static bool dgbgli_in_order(const dgbgl_backend* b) {
+    const char* renderer = (const char*)b->gl.GetString(DGBGLI_RENDERER);
+    return renderer && strstr(renderer, "llvmpipe") != NULL;
+}
+
 static void dgbgli_read_caps(dgbgl_backend* b) {
     dgb_caps*  caps        = &b->backend.caps;
     const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
-    caps->max_size         = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
-    caps->max_layers       = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
-    caps->clip_zero_to_one = b->gl.ClipControl != NULL;
+    const bool geometry    = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
+    b->images    = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
+    b->interlock = b->images && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
+    caps->max_size                        = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
+    caps->max_layers                      = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
+    caps->clip_zero_to_one                = b->gl.ClipControl != NULL;
+    caps->deep_viewport                   = b->indexed_viewports;
     caps->emission[DGB_EMISSION_SEPARATE] = true;
-    caps->emission[DGB_EMISSION_GEOMETRY] =
-        single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
-    caps->emission[DGB_EMISSION_VERTEX] = single_pass && b->layer_extension;
+    caps->emission[DGB_EMISSION_GEOMETRY] = geometry;
+    caps->emission[DGB_EMISSION_VERTEX]   = single_pass && b->layer_extension;
+    caps->emission[DGB_EMISSION_INSTANCED_GEOMETRY] = geometry && b->version >= 410;
+    caps->emission[DGB_EMISSION_IMAGE]     = single_pass && b->images && (b->interlock || dgbgli_in_order(b));
+    caps->emission[DGB_EMISSION_MULTICAST] = single_pass && b->version >= 430 &&
+                                             dgbgli_has_extension(b, "GL_NV_viewport_array2") &&
+                                             dgbgli_has_extension(b, "GL_NV_geometry_shader_passthrough");
 }
 
 static void dgbgli_fill_backend(dgbgl_backend* b) {
@@ -1998,19 +2220,40 @@ static void dgbgli_put_renames(dgbgli_text* t, const dgbgl_varying* varyings, in
     }
 }
 
-static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dgbgl_backend* b, dgbgl_stage stage) {
-    const bool vertex_emission = context->plan.emission == DGB_EMISSION_VERTEX;
-    dgbgli_put_version(t, b->version, b->es);
-    if (vertex_emission && stage == DGBGL_VERTEX) {
-        dgbgli_put(t, "#extension ");
-        dgbgli_put(t, b->layer_extension);
-        dgbgli_put(t, " : require\n");
+static void dgbgli_put_extension(dgbgli_text* t, const char* name) {
+    dgbgli_put(t, "#extension ");
+    dgbgli_put(t, name);
+    dgbgli_put(t, " : require\n");
+}
+
+static void dgbgli_put_extensions(dgbgli_text* t, dgb_emission emission, const dgbgl_backend* b, dgbgl_stage stage) {
+    if (emission == DGB_EMISSION_VERTEX && stage == DGBGL_VERTEX) dgbgli_put_extension(t, b->layer_extension);
+    if (emission == DGB_EMISSION_IMAGE && stage == DGBGL_FRAGMENT && b->interlock)
+        dgbgli_put_extension(t, "GL_ARB_fragment_shader_interlock");
+    if (emission == DGB_EMISSION_MULTICAST && stage == DGBGL_GEOMETRY) {
+        dgbgli_put_extension(t, "GL_NV_viewport_array2");
+        dgbgli_put_extension(t, "GL_NV_geometry_shader_passthrough");
     }
+}
+
+static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dgbgl_backend* b, dgbgl_stage stage) {
+    const dgb_emission emission = context->plan.emission;
+    dgbgli_put_version(t, b->version, b->es);
+    dgbgli_put_extensions(t, emission, b, stage);
     dgbgli_put_precision(t, b->es);
     dgbgli_put_define(t, "DGB_LAYERS", context->plan.layers);
-    dgbgli_put_define(t, "DGB_EMISSION_VERTEX", vertex_emission);
+    dgbgli_put_define(t, "DGB_DIVISOR", context->desc.divisor);
+    dgbgli_put_define(t, "DGB_EMISSION_VERTEX", emission == DGB_EMISSION_VERTEX);
+    dgbgli_put_define(t, "DGB_EMISSION_IMAGE", emission == DGB_EMISSION_IMAGE);
+    dgbgli_put_define(t, "DGB_EMISSION_MULTICAST", emission == DGB_EMISSION_MULTICAST);
+    dgbgli_put_define(t, "DGB_INTERLOCK", b->interlock);
     dgbgli_put_chunks(t, dgbgli_glsl_common);
     dgbgli_put_chunks(t, dgbgli_glsl_layers);
+}
+
+/* Emissions whose geometry shader passes varyings on under another name. */
+static bool dgbgli_renames(dgb_emission emission) {
+    return emission == DGB_EMISSION_GEOMETRY || emission == DGB_EMISSION_INSTANCED_GEOMETRY;
 }
 
 DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings, int count,
@@ -2021,7 +2264,7 @@ DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage
     dgbgli_put_head(&t, context, b, stage);
     if (stage == DGBGL_VERTEX) dgbgli_put_chunks(&t, dgbgli_glsl_layers_vertex);
     if (stage == DGBGL_FRAGMENT) {
-        if (context->plan.emission == DGB_EMISSION_GEOMETRY) {
+        if (dgbgli_renames(context->plan.emission)) {
             dgbgli_put_renames(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
             dgbgli_put_renames(&t, varyings, count);
         }
@@ -2060,30 +2303,75 @@ static void dgbgli_put_copies(dgbgli_text* t, const dgbgl_varying* varyings, int
     }
 }
 
+/* The body that copies one triangle to `layer`. */
+static void dgbgli_put_triangle(dgbgli_text* t, const dgb_context* context, const dgbgl_varying* varyings, int count) {
+    dgbgli_put(t, "        for (int i = 0; i < 3; ++i) {\n");
+    dgbgli_put_copies(t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
+    dgbgli_put_copies(t, varyings, count);
+    dgbgli_put(t, "            dgb_g_dgb_v_layer = layer;\n"
+                  "            gl_Layer = layer;\n");
+    if (context->desc.divisor > 1)
+        dgbgli_put(t, "            gl_ViewportIndex = dgb_draw_layer.y > 1 && layer > 0 ? 1 : 0;\n");
+    dgbgli_put(t, "            gl_Position = gl_in[i].gl_Position;\n"
+                  "            EmitVertex();\n"
+                  "        }\n"
+                  "        EndPrimitive();\n");
+}
+
+/* In a loop over the layers, or, instanced, one invocation a layer. */
+static void dgbgli_put_emission(dgbgli_text* t, const dgb_context* context, const dgbgl_varying* varyings, int count) {
+    const bool instanced = context->plan.emission == DGB_EMISSION_INSTANCED_GEOMETRY;
+    dgbgli_put(t, "layout(triangles");
+    if (instanced) {
+        dgbgli_put(t, ", invocations = ");
+        dgbgli_put_int(t, context->plan.layers);
+    }
+    dgbgli_put(t, ") in;\nlayout(triangle_strip, max_vertices = ");
+    dgbgli_put_int(t, instanced ? 3 : 3 * context->plan.layers);
+    dgbgli_put(t, ") out;\n");
+    dgbgli_put_declarations(t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
+    dgbgli_put_declarations(t, varyings, count);
+    dgbgli_put(t, instanced ? "void main() {\n"
+                              "    int layer = dgb_draw_layer.x + gl_InvocationID;\n"
+                              "    if (gl_InvocationID < dgb_draw_layer.y) {\n"
+                            : "void main() {\n"
+                              "    for (int layer = dgb_draw_layer.x; layer < dgb_draw_layer.x + dgb_draw_layer.y; ++layer) {\n");
+    dgbgli_put_triangle(t, context, varyings, count);
+    dgbgli_put(t, "    }\n}\n");
+}
+
+static void dgbgli_put_passthrough(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
+    int i;
+    for (i = 0; i < count; ++i) {
+        dgbgli_put(t, "layout(passthrough) ");
+        dgbgli_put_declaration(t, &varyings[i], false);
+    }
+}
+
+/* The hardware sends the triangle to every viewport of the mask, and to the layer of the viewport's number. */
+static void dgbgli_put_multicast(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
+    dgbgli_put(t, "layout(triangles) in;\n"
+                  "layout(passthrough) in gl_PerVertex { vec4 gl_Position; } gl_in[];\n"
+                  "layout(viewport_relative) out int gl_Layer;\n");
+    dgbgli_put_passthrough(t, dgbgli_varyings, DGBGLI_VARYING_COUNT - 1); /* the layer is the hardware's */
+    dgbgli_put_passthrough(t, varyings, count);
+    dgbgli_put(t, "void main() {\n"
+                  "    gl_ViewportMask[0] = (1 << dgb_draw_layer.y) - 1;\n"
+                  "    gl_Layer = 0;\n"
+                  "}\n");
+}
+
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity) {
     const dgbgl_backend* b = dgbgli_of(context);
     dgbgli_text          t = dgbgli_text_on(text, capacity);
-    if (!b || context->plan.emission != DGB_EMISSION_GEOMETRY || (count > 0 && !varyings)) return 0;
+    if (!b || (count > 0 && !varyings)) return 0;
+    if (!dgbgli_renames(context->plan.emission) && context->plan.emission != DGB_EMISSION_MULTICAST) return 0;
     dgbgli_put_head(&t, context, b, DGBGL_GEOMETRY);
-    dgbgli_put(&t, "layout(triangles) in;\nlayout(triangle_strip, max_vertices = ");
-    dgbgli_put_int(&t, 3 * context->plan.layers);
-    dgbgli_put(&t, ") out;\n");
-    dgbgli_put_declarations(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
-    dgbgli_put_declarations(&t, varyings, count);
-    dgbgli_put(&t, "void main() {\n"
-                   "    for (int layer = dgb_draw_layer.x; layer < dgb_draw_layer.x + dgb_draw_layer.y; ++layer) {\n"
-                   "        for (int i = 0; i < 3; ++i) {\n");
-    dgbgli_put_copies(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
-    dgbgli_put_copies(&t, varyings, count);
-    dgbgli_put(&t, "            dgb_g_dgb_v_layer = layer;\n"
-                   "            gl_Layer = layer;\n"
-                   "            gl_Position = gl_in[i].gl_Position;\n"
-                   "            EmitVertex();\n"
-                   "        }\n"
-                   "        EndPrimitive();\n"
-                   "    }\n"
-                   "}\n");
+    if (context->plan.emission == DGB_EMISSION_MULTICAST)
+        dgbgli_put_multicast(&t, varyings, count);
+    else
+        dgbgli_put_emission(&t, context, varyings, count);
     return t.length;
 }
 
@@ -2096,6 +2384,7 @@ DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int
     current = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
     dgbgli_connect_samplers(b, program);
     dgbgli_connect_block(b, program, "draw");
+    if (context->plan.emission == DGB_EMISSION_IMAGE) dgbgli_connect_images(b, &context->plan, program);
     /* as in restoring the state: a program deleted while in use is gone by now */
     b->gl.UseProgram(b->gl.IsProgram((unsigned)current) ? (unsigned)current : 0);
     return DGB_OK;

@@ -9,4 +9,5 @@ layout(std140) uniform dgb_draw_block {
     vec4       dgb_draw_previous_distance;
     vec4       dgb_draw_size;              // buffer width, height (pixels), separation (m), depth codes (0: float depth)
     ivec4      dgb_draw_layer;             // first layer, layer count, oracle, instance multiplier
+    ivec4      dgb_draw_flags;             // divisor of deeper layers' resolution, 1 for reversed depth
 };

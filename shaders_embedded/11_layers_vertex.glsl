@@ -14,6 +14,9 @@ void dgb_vertex(vec4 clip, vec4 previous_clip) {
     dgb_v_layer    = dgb_draw_layer.x;
 #if DGB_EMISSION_VERTEX
     dgb_v_layer += gl_InstanceID % dgb_draw_layer.w;
-    gl_Layer     = dgb_v_layer; // ignored while layers are drawn one at a time
+    gl_Layer = dgb_v_layer; // ignored while layers are drawn one at a time
+#if DGB_DIVISOR > 1
+    gl_ViewportIndex = dgb_draw_layer.y > 1 && dgb_v_layer > 0 ? 1 : 0;
+#endif
 #endif
 }

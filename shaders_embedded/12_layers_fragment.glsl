@@ -1,8 +1,12 @@
 // Fragment part. Discard on alpha first, then `if (!dgb_keep()) discard;`, then dgb_store.
 
-in vec4     dgb_v_current;
-in vec4     dgb_v_previous;
+in vec4 dgb_v_current;
+in vec4 dgb_v_previous;
+#if DGB_EMISSION_MULTICAST
+#define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)
+#else
 flat in int dgb_v_layer;
+#endif
 
 #if DGB_LAYERS > 1
 uniform sampler2DArray dgb_oracle;
@@ -26,13 +30,12 @@ vec2 dgb_velocity() {
     return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;
 }
 
-// Whether this fragment belongs to its layer. Layer 0 keeps all; layer j what is behind layer j-1 of the oracle by more
-// than the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are
-// exactly 0 when nothing moves: then every oracle gives what peeling gives, bit for bit.
-bool dgb_keep() {
+// Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than
+// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0
+// when nothing moves: then every oracle gives what peeling gives, bit for bit.
+bool dgb_kept_in(int layer) {
 #if DGB_LAYERS > 1
-    if (dgb_v_layer == 0) return true;
-    vec2  pixel = gl_FragCoord.xy;
+    vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer
     float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w), dgb_draw_camera);
     if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {
         vec2 then = pixel - dgb_velocity();
@@ -42,12 +45,16 @@ bool dgb_keep() {
             z -= dgb_v_previous.w - dgb_v_current.w;
         }
     }
-    float front = texelFetch(dgb_oracle, ivec3(ivec2(pixel), dgb_v_layer - 1), 0).r;
-    return dgb_keep_test(z, dgb_linear_z(dgb_depth_code(front, dgb_draw_size.w), dgb_draw_previous), dgb_draw_size.z);
+    ivec2 texel = ivec2(pixel) / (layer > 1 ? DGB_DIVISOR : 1);
+    float front = dgb_depth_code(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_size.w);
+    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);
 #else
     return true;
 #endif
 }
+
+// Whether to go on with this fragment. The first layer keeps all.
+bool dgb_keep() { return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer); }
 
 float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }
 
@@ -68,3 +75,59 @@ void dgb_store(vec4 albedo, vec3 normal, vec2 material, vec3 radiance) {
     dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);
 #endif
 }
+
+#if DGB_EMISSION_IMAGE
+// Image emission: the pipeline rasterises the first layer only; a fragment that a deeper layer would keep competes for it here,
+// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.
+layout(r32ui) coherent uniform uimage2DArray dgb_image_key;
+#ifdef DGB_ALBEDO_LOCATION
+layout(rgba8) writeonly uniform image2DArray dgb_image_albedo;
+#endif
+#ifdef DGB_NORMAL_LOCATION
+layout(rgba8) writeonly uniform image2DArray dgb_image_normal;
+#endif
+#ifdef DGB_RADIANCE_LOCATION
+layout(r11f_g11f_b10f) writeonly uniform image2DArray dgb_image_radiance;
+#endif
+#ifdef DGB_VELOCITY_LOCATION
+layout(rg16f) writeonly uniform image2DArray dgb_image_velocity;
+#endif
+#if DGB_INTERLOCK
+layout(pixel_interlock_ordered) in;
+#endif
+
+void dgb_compete(int layer) {
+    ivec3 texel = ivec3(ivec2(gl_FragCoord.xy), layer);
+    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w)); // positive floats sort as integers
+    uint  nearest = imageLoad(dgb_image_key, texel - ivec3(0, 0, 1)).x;
+    if (dgb_draw_flags.y != 0 ? key <= nearest : key >= nearest) return;
+    imageStore(dgb_image_key, texel - ivec3(0, 0, 1), uvec4(key));
+#ifdef DGB_ALBEDO_LOCATION
+    imageStore(dgb_image_albedo, texel, dgb_out_albedo);
+#endif
+#ifdef DGB_NORMAL_LOCATION
+    imageStore(dgb_image_normal, texel, dgb_out_normal);
+#endif
+#ifdef DGB_RADIANCE_LOCATION
+    imageStore(dgb_image_radiance, texel, dgb_out_radiance);
+#endif
+#ifdef DGB_VELOCITY_LOCATION
+    imageStore(dgb_image_velocity, texel, dgb_out_velocity);
+#endif
+}
+
+void dgb_engine_main();
+
+void main() {
+    dgb_engine_main();
+#if DGB_INTERLOCK
+    beginInvocationInterlockARB();
+#endif
+    for (int layer = 1; layer < dgb_draw_layer.y; ++layer)
+        if (dgb_kept_in(layer)) dgb_compete(layer);
+#if DGB_INTERLOCK
+    endInvocationInterlockARB();
+#endif
+}
+#define main dgb_engine_main
+#endif

@@ -24,9 +24,12 @@ uniform sampler2DArray dgb_depth;
 uniform sampler2DArray dgb_normal;
 uniform sampler2DArray dgb_radiance;
 
-float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, ivec3(p, layer), 0).r; }
-vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, ivec3(p, layer), 0).rgb; }
-vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, ivec3(p, layer), 0).rgb; }
+// Deeper layers may have a lower resolution: they fill a part of their images.
+ivec3 dgb_texel(int layer, ivec2 p) { return ivec3(p / (layer > 0 ? DGB_DIVISOR : 1), layer); }
+
+float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, dgb_texel(layer, p), 0).r; }
+vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, dgb_texel(layer, p), 0).rgb; }
+vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }
 #endif
 
 float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }

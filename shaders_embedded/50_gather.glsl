@@ -53,6 +53,11 @@ void main() {
         float c0 = other * dgb_sender(ray_z, ray_1, zs.x, z, n, normals.xy);
         vec3  l0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb * c0;
 #if DGB_LAYERS > 1
+#if DGB_DIVISOR > 1
+        at    = dgb_deep_centre(tap.pixel);
+        ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;
+        ray_1 = at * dgb_gather_camera.position_1.xy + (dgb_gather_camera.position_1.zw - x.xy);
+#endif
         float c1 = other * dgb_sender(ray_z, ray_1, zs.y, z, n, normals.zw);
         vec3  l1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb * c1;
         useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;

@@ -82,7 +82,7 @@ static void print_plan(record_text* text, const dgb_plan* plan) {
 /* >> golden plans */
 
 /* How the layers are emitted is no matter of textures and passes, so one section holds for all that are
-   allowed. */
+   allowed, but for image emission, which has a section of its own. */
 static void print_built_section(record_text* text, int layers, uint32_t effects, dgb_oracle oracle) {
     record_text first = {0}, other = {0};
     dgb_desc d = small_desc(layers, effects);
@@ -93,6 +93,7 @@ static void print_built_section(record_text* text, int layers, uint32_t effects,
     for (; emission < DGB_EMISSION_COUNT; emission = (dgb_emission)(emission + 1)) {
         dgb_plan plan;
         if (oracle == DGB_ORACLE_PEEL && emission > DGB_EMISSION_SEPARATE) continue;
+        if (emission == DGB_EMISSION_IMAGE) continue;
         d.emission = emission;
         plan = make_plan(&d);
         record_printf(text, " %s=%s", dgb_emission_name(emission), dgb_emission_name(plan.emission));
@@ -102,6 +103,14 @@ static void print_built_section(record_text* text, int layers, uint32_t effects,
             fail_msg("emission %d changes the plan", (int)emission);
     }
     record_printf(text, "\n%s\n", first.data);
+    if (oracle != DGB_ORACLE_PEEL && layers > 1) {
+        dgb_plan plan;
+        d.emission = DGB_EMISSION_IMAGE;
+        plan = make_plan(&d);
+        record_printf(text, "emission image\n");
+        print_plan(text, &plan);
+        record_printf(text, "\n");
+    }
     record_text_free(&first);
     record_text_free(&other);
 }
@@ -239,7 +248,7 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
                 fail_msg("pass %s writes %s", dgb_pass_name(pass->id), dgb_slot_name(pass->outputs[k]));
             written[pass->outputs[k]] = true;
         }
-        if (pass->program >= plan->program_count || (pass->program < 0) != (pass->id == DGB_PASS_LAYERS) ||
+        if (pass->program >= plan->program_count || (pass->program < 0) != (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_PREDICT) ||
             (pass->program >= 0 && plan->programs[pass->program].pass != pass->id))
             fail_msg("pass %s has program %d", dgb_pass_name(pass->id), pass->program);
     }

@@ -131,8 +131,7 @@ static dgb_view view_at(const setup* s, int frame) {
     view = fixture_dgb_view(&v, s->width, s->height);
     for (i = 0; i < 15; ++i) view.view[i] *= s->scale;
     for (i = 0; i < 2; ++i) view.projection[v.fov > 0.0f ? 8 + i : 12 + i] += s->shift[i];
-    f.previous_time = s->moving && frame ? 0.1f * (float)(frame - 1) : 0.0f;
-    f.time = s->moving ? 0.1f * (float)frame : 0.0f;
+    for (i = 0; i < 4; ++i) f.offsets[i] = s->moving ? 0.1f * (float)(frame + i - 2) : 0.0f;
     return view;
 }
 

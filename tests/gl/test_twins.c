@@ -22,7 +22,7 @@ static fixture f;
 /* The library's text up to the part that belongs to one pass: its last #line. */
 static const char* library_text(void) {
     static char text[1 << 16];
-    const dgb_program_desc ao = {DGB_PASS_AO, 1, {{"DGB_LAYERS", 2}}};
+    const dgb_program_desc ao = {DGB_PASS_AO, 2, {{"DGB_LAYERS", 2}, {"DGB_DIVISOR", 1}}};
     const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, 450, false, text, sizeof text);
     char *line = text, *last = NULL;
     assert_true(size > 0 && size < sizeof text);

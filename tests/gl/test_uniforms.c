@@ -34,7 +34,8 @@ static const member draw_members[] = {
     VALUE("dgb_draw_distance", dgb_draw_uniforms, distance),
     VALUE("dgb_draw_previous_distance", dgb_draw_uniforms, previous_distance),
     VALUE("dgb_draw_size", dgb_draw_uniforms, size),
-    VALUE("dgb_draw_layer", dgb_draw_uniforms, layer)};
+    VALUE("dgb_draw_layer", dgb_draw_uniforms, layer),
+    VALUE("dgb_draw_flags", dgb_draw_uniforms, flags)};
 
 static const member pack_members[] = {CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera),
                                       ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),

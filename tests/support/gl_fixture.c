@@ -300,8 +300,8 @@ void fixture_draw(void* user, const dgb_draw* draw) {
     set_offset(u->program, "offset", 0.0f);
     set_offset(u->program, "previous_offset", 0.0f);
     glDrawArraysInstanced(GL_TRIANGLES, 0, f->static_count, draw->instances);
-    set_offset(u->program, "offset", f->time);
-    set_offset(u->program, "previous_offset", f->previous_time);
+    set_offset(u->program, "offset", f->offsets[2 + draw->pose]);
+    set_offset(u->program, "previous_offset", f->offsets[1 + draw->pose]);
     glDrawArraysInstanced(GL_TRIANGLES, f->static_count, f->moving_count, draw->instances);
 }
 

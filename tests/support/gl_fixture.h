@@ -15,7 +15,7 @@ typedef struct fixture {
     int           messages; /* KHR_debug messages above notification so far */
     GLuint        vertices, vertex_array;
     int           static_count, moving_count; /* vertices of the room, then of the moving box */
-    float         time, previous_time;        /* of the moving box, s */
+    float         offsets[4]; /* of the moving box, m: two frames before the view's, one before, at it, one after */
     int           draws;                      /* draw callbacks so far */
 } fixture;
 

@@ -260,11 +260,11 @@ static void check_target(record_backend* r, const dgb_target* target, const dgb_
     if (target->layer < -1 || target->layer >= (t->layers ? t->layers : 1) ||
         (target->layer < 0 && !t->layers))
         fail_msg("%s has no layer %d", name, target->layer);
-    if (pass->x < 0 || pass->y < 0 || pass->width < 1 || pass->height < 1 ||
-        pass->x + pass->width > t->width >> target->level ||
-        pass->y + pass->height > t->height >> target->level)
-        fail_msg("viewport %d %d %d %d leaves %s@%d", pass->x, pass->y, pass->width, pass->height, name,
-                 target->level);
+    if (pass->x < 0 || pass->y < 0 || !(pass->width > 0.0f) || !(pass->height > 0.0f) ||
+        (float)pass->x + pass->width > (float)(t->width >> target->level) ||
+        (float)pass->y + pass->height > (float)(t->height >> target->level))
+        fail_msg("viewport %d %d %g %g leaves %s@%d", pass->x, pass->y, (double)pass->width,
+                 (double)pass->height, name, target->level);
 }
 
 static void on_pass_begin(void* user, const dgb_pass* pass) {
@@ -287,7 +287,10 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
         record_printf(&r->trace, " depth");
         print_target(r, &pass->depth);
     }
-    record_printf(&r->trace, " [%d %d %d %d]", pass->x, pass->y, pass->width, pass->height);
+    record_printf(&r->trace, " [%d %d %g %g]", pass->x, pass->y, (double)pass->width, (double)pass->height);
+    if (pass->deep_width != pass->width && pass->deep_width > 0.0f)
+        record_printf(&r->trace, " deep [%g %g]", (double)pass->deep_width, (double)pass->deep_height);
+    if (pass->key.id) record_printf(&r->trace, " key");
     if (pass->clear) record_printf(&r->trace, " clear %g", (double)pass->clear_depth);
     if (pass->reversed) record_printf(&r->trace, " reversed");
     if (pass->clip == DGB_CLIP_ZERO_TO_ONE) record_printf(&r->trace, " clip01");
@@ -327,7 +330,9 @@ static void on_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int 
 
 static size_t uniform_size(dgb_pass_id pass) {
     switch (pass) {
-    case DGB_PASS_LAYERS: return sizeof(dgb_draw_uniforms);
+    case DGB_PASS_LAYERS:
+    case DGB_PASS_PREDICT: return sizeof(dgb_draw_uniforms);
+    case DGB_PASS_RESOLVE: return sizeof(int32_t[4]);
     case DGB_PASS_PACK: return sizeof(dgb_pack_uniforms);
     case DGB_PASS_AO: return sizeof(dgb_ao_uniforms);
     case DGB_PASS_GATHER: return sizeof(dgb_gather_uniforms);

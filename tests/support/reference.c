@@ -63,7 +63,7 @@ void reference_open(reference* r, const dgb_context* context, const float* z, co
     while (r->levels < DGB_MAX_LEVELS && reference_size(r->width, r->levels) &&
            reference_size(r->height, r->levels))
         ++r->levels;
-    for (i = 0; i < 16; ++i) r->projection[i] = (double)context->projection[i];
+    for (i = 0; i < 16; ++i) r->projection[i] = (double)context->drawn.projection[i];
     r->camera = context->camera;
     make_chain(r, z, r->layers, r->z);
     make_chain(r, normals, 2 * r->layers, r->normals);
