@@ -129,23 +129,23 @@ extern "C" {
 
 /* --- limits ------------------------------------------------------------------------------------------------------ */
 
-#define DGB_MAX_SIZE 16384         /* pixels along one side, guard band included */
-#define DGB_MAX_LAYERS 8           /* layers that can be built */
-#define DGB_MAX_SHADED_LAYERS 2    /* layers that the shading reads */
-#define DGB_MAX_TAPS 256           /* taps of one spiral */
-#define DGB_MAX_LEVELS 6           /* levels of the packed MIP chain, level 0 included */
-#define DGB_MAX_FILTER_RADIUS 12   /* reconstruction taps on one side of the centre */
-#define DGB_MAX_DISTANCE 1e15f     /* metres; farther is sky */
-#define DGB_EMPTY_Z (-1e15f)       /* what DGB_Z holds where there is no surface: so far away that it reaches nothing */
-#define DGB_MIN_RADIUS 1e-15f      /* metres; of occlusion and bounced light */
+#define DGB_MAX_SIZE 16384       /* pixels along one side, guard band included */
+#define DGB_MAX_LAYERS 8         /* layers that can be built */
+#define DGB_MAX_SHADED_LAYERS 2  /* layers that the shading reads */
+#define DGB_MAX_TAPS 256         /* taps of one spiral */
+#define DGB_MAX_LEVELS 6         /* levels of the packed MIP chain, level 0 included */
+#define DGB_MAX_FILTER_RADIUS 12 /* reconstruction taps on one side of the centre */
+#define DGB_MAX_DISTANCE 1e15f   /* metres; farther is sky */
+#define DGB_EMPTY_Z (-1e15f)     /* what DGB_Z holds where there is no surface: so far away that it reaches nothing */
+#define DGB_MIN_RADIUS 1e-15f    /* metres; of occlusion and bounced light */
 #define DGB_MAX_RADIUS 1e14f
-#define DGB_MAX_RADIANCE 64512.0f  /* largest value of the 10-bit float, the narrowest channel stored to */
-#define DGB_MIN_COSINE 0.017f      /* light that grazes a receiver within the error of an Oct16 normal is not counted */
-#define DGB_ROTATION_COUNT 256     /* rotations of the spiral */
-#define DGB_AO_LOG2_Q 3            /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
-#define DGB_GATHER_LOG2_Q 4        /* radiosity taps within 2^4 = 16 pixels read level 0 */
-#define DGB_MAX_TARGETS 4          /* colour targets of one pass */
-#define DGB_MAX_INPUTS 8           /* textures read by one pass */
+#define DGB_MAX_RADIANCE 64512.0f /* largest value of the 10-bit float, the narrowest channel stored to */
+#define DGB_MIN_COSINE 0.017f     /* light that grazes a receiver within the error of an Oct16 normal is not counted */
+#define DGB_ROTATION_COUNT 256    /* rotations of the spiral */
+#define DGB_AO_LOG2_Q 3           /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
+#define DGB_GATHER_LOG2_Q 4       /* radiosity taps within 2^4 = 16 pixels read level 0 */
+#define DGB_MAX_TARGETS 4         /* colour targets of one pass */
+#define DGB_MAX_INPUTS 8          /* textures read by one pass */
 #define DGB_MAX_DEFINES 6
 #define DGB_MAX_PROGRAMS 8
 #define DGB_MAX_PASSES 16
@@ -162,35 +162,36 @@ typedef enum dgb_result {
 } dgb_result;
 
 /* X(name, sentence): every reason a call can give. */
-#define DGB_LOG_ITEMS(X)                                                                                             \
-    X(NULL_ARGUMENT, "a required pointer is null")                                                                   \
-    X(SIZE, "width and height must be 1 to 16384 pixels")                                                            \
-    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")           \
-    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                       \
-    X(EFFECTS, "effects holds a bit that is not a DGB_EFFECT_*")                                                     \
-    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                           \
-    X(ENUM, "an enum of the desc is out of range")                                                                   \
-    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")        \
-    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")                 \
-    X(EMISSION, "the backend does not offer this emission")                                                          \
-    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                                 \
-    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                              \
-    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                               \
-    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                     \
-    X(TEXTURE, "the backend could not create a texture")                                                             \
-    X(PROGRAM, "the backend could not create a program")                                                             \
-    X(NOT_INITIALISED, "the context is not initialised")                                                             \
-    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                         \
-    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                                   \
-    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round")     \
-    X(SEPARATION, "separation must be finite and 0 or more")                                                         \
-    X(AO_PARAMS, "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0") \
-    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                              \
-    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                               \
-    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")              \
-    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                               \
-    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")               \
-    X(INPUT, "a texture that the plan reads was not given")                                                          \
+#define DGB_LOG_ITEMS(X)                                                                                         \
+    X(NULL_ARGUMENT, "a required pointer is null")                                                               \
+    X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
+    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
+    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
+    X(EFFECTS, "effects holds a bit that is not a DGB_EFFECT_*")                                                 \
+    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
+    X(ENUM, "an enum of the desc is out of range")                                                               \
+    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
+    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")            \
+    X(EMISSION, "the backend does not offer this emission")                                                      \
+    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                             \
+    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                          \
+    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                           \
+    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                 \
+    X(TEXTURE, "the backend could not create a texture")                                                         \
+    X(PROGRAM, "the backend could not create a program")                                                         \
+    X(NOT_INITIALISED, "the context is not initialised")                                                         \
+    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                     \
+    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                               \
+    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round") \
+    X(SEPARATION, "separation must be finite and 0 or more")                                                     \
+    X(AO_PARAMS,                                                                                                 \
+      "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")     \
+    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
+    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                           \
+    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")          \
+    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
+    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")           \
+    X(INPUT, "a texture that the plan reads was not given")                                                      \
     X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
 
 typedef enum dgb_log_item {
@@ -198,7 +199,7 @@ typedef enum dgb_log_item {
 #define DGB_LOG_ENUM(name, sentence) DGB_LOG_##name,
     DGB_LOG_ITEMS(DGB_LOG_ENUM)
 #undef DGB_LOG_ENUM
-    DGB_LOG_COUNT
+        DGB_LOG_COUNT
 } dgb_log_item;
 
 /* Called once for each failure, on the calling thread. `sentence` is static text. */
@@ -206,17 +207,17 @@ typedef void (*dgb_log_fn)(void* user, dgb_result result, dgb_log_item item, con
 
 /* --- what there is to choose -------------------------------------------------------------------------------------- */
 
-enum { /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
-    DGB_EFFECT_AO = 1,       /* ambient occlusion: DGB_AO */
-    DGB_EFFECT_RADIOSITY = 2 /* bounced diffuse light: DGB_IRRADIANCE */
+enum {                          /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
+       DGB_EFFECT_AO = 1,       /* ambient occlusion: DGB_AO */
+       DGB_EFFECT_RADIOSITY = 2 /* bounced diffuse light: DGB_IRRADIANCE */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
-    DGB_TARGET_ALBEDO = 1,   /* RGBA8: linear albedo, one value of the engine's own */
-    DGB_TARGET_NORMAL = 2,   /* RGBA8: Oct16 camera-space normal, two material values of the engine's own */
-    DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
-    DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
-    DGB_TARGET_ALL = 15
+       DGB_TARGET_ALBEDO = 1,   /* RGBA8: linear albedo, one value of the engine's own */
+       DGB_TARGET_NORMAL = 2,   /* RGBA8: Oct16 camera-space normal, two material values of the engine's own */
+       DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
+       DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
+       DGB_TARGET_ALL = 15
 };
 
 typedef enum dgb_source {
@@ -240,7 +241,7 @@ typedef enum dgb_emission {
     DGB_EMISSION_GEOMETRY, /* one draw callback; a geometry shader emits every triangle to every layer */
     DGB_EMISSION_VERTEX,   /* one draw callback; instances times layers, the vertex shader picks the layer */
     DGB_EMISSION_INSTANCED_GEOMETRY, /* one draw callback; one geometry-shader invocation a layer */
-    DGB_EMISSION_IMAGE,    /* one draw callback, one rasterisation: deeper layers by compare and store in images */
+    DGB_EMISSION_IMAGE,     /* one draw callback, one rasterisation: deeper layers by compare and store in images */
     DGB_EMISSION_MULTICAST, /* one draw callback; NVIDIA's pass-through geometry shader and viewport multicast */
     DGB_EMISSION_COUNT
 } dgb_emission;
@@ -251,24 +252,26 @@ typedef enum dgb_clip {
     DGB_CLIP_COUNT
 } dgb_clip;
 
-typedef enum dgb_normals { /* how the engine's own normals come (DGB_SOURCE_ENGINE) */
-    DGB_NORMALS_FROM_DEPTH = 0, /* there are none: derive them from depth */
-    DGB_NORMALS_OCT16,          /* r, g hold dgb_oct16_encode of the camera-space normal */
-    DGB_NORMALS_UNORM,          /* r, g, b hold n * 0.5 + 0.5 */
-    DGB_NORMALS_FLOAT,          /* r, g, b hold n */
-    DGB_NORMALS_COUNT
+typedef enum dgb_normals {                             /* how the engine's own normals come (DGB_SOURCE_ENGINE) */
+                           DGB_NORMALS_FROM_DEPTH = 0, /* there are none: derive them from depth */
+                           DGB_NORMALS_OCT16,          /* r, g hold dgb_oct16_encode of the camera-space normal */
+                           DGB_NORMALS_UNORM,          /* r, g, b hold n * 0.5 + 0.5 */
+                           DGB_NORMALS_FLOAT,          /* r, g, b hold n */
+                           DGB_NORMALS_COUNT
 } dgb_normals;
 
 typedef enum dgb_senders { /* which of the two surfaces under a tap send light (paper, section 3.2) */
-    DGB_SENDERS_BOTH = 0,  /* every accepted one: the paper's text. Default: no light is thrown away */
-    DGB_SENDERS_STRONGEST, /* the one that sends more, as the authors' demo does */
-    DGB_SENDERS_COUNT
+                           DGB_SENDERS_BOTH =
+                               0, /* every accepted one: the paper's text. Default: no light is thrown away */
+                           DGB_SENDERS_STRONGEST, /* the one that sends more, as the authors' demo does */
+                           DGB_SENDERS_COUNT
 } dgb_senders;
 
 typedef enum dgb_normaliser { /* what divides the gathered sum */
-    DGB_NORMALISER_BOUNDED = 0, /* E = pi sum(B cos) / max(sum(cos), M/2): never brighter than the brightest sender */
-    DGB_NORMALISER_PAPER,       /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
-    DGB_NORMALISER_COUNT
+                              DGB_NORMALISER_BOUNDED =
+                                  0, /* E = pi sum(B cos) / max(sum(cos), M/2): never brighter than the brightest sender */
+                              DGB_NORMALISER_PAPER, /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
+                              DGB_NORMALISER_COUNT
 } dgb_normaliser;
 
 typedef enum dgb_format {
@@ -289,35 +292,35 @@ typedef enum dgb_format {
 } dgb_format;
 
 /* Every texture there can be. X(enumerator, name): the name is that of the GLSL sampler without its dgb_ prefix. */
-#define DGB_SLOTS(X)                                                                    \
-    /* layers: 2D arrays, one image a layer */                                          \
-    X(DGB_DEPTH, "depth")                                                               \
-    X(DGB_ALBEDO, "albedo")                                                             \
-    X(DGB_NORMAL, "normal")                                                             \
-    X(DGB_RADIANCE, "radiance")                                                         \
-    X(DGB_VELOCITY, "velocity")                                                         \
-    X(DGB_ORACLE, "oracle") /* the depth layers that the keep test compares with */     \
-    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */  \
-    X(DGB_KEY, "key")       /* depth bits of deeper layers (IMAGE emission) */          \
-    /* the engine's own layers: 2D textures */                                          \
-    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                               \
-    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                               \
-    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                             \
-    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                             \
-    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                         \
-    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                         \
-    /* packed shading input, with MIP levels */                                         \
-    X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */              \
-    X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                \
-    X(DGB_B0, "b0")           /* radiance of layer 0 */                                 \
-    X(DGB_B1, "b1")           /* radiance of layer 1 */                                 \
+#define DGB_SLOTS(X)                                                                      \
+    /* layers: 2D arrays, one image a layer */                                            \
+    X(DGB_DEPTH, "depth")                                                                 \
+    X(DGB_ALBEDO, "albedo")                                                               \
+    X(DGB_NORMAL, "normal")                                                               \
+    X(DGB_RADIANCE, "radiance")                                                           \
+    X(DGB_VELOCITY, "velocity")                                                           \
+    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */ \
+    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */    \
+    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */      \
+    /* the engine's own layers: 2D textures */                                            \
+    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                 \
+    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                 \
+    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                               \
+    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                               \
+    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                           \
+    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                           \
+    /* packed shading input, with MIP levels */                                           \
+    X(DGB_Z, "z")                 /* camera z of both layers, DGB_EMPTY_Z where empty */  \
+    X(DGB_NORMALS, "normals")     /* Oct16 of both layers */                              \
+    X(DGB_B0, "b0")               /* radiance of layer 0 */                               \
+    X(DGB_B1, "b1")               /* radiance of layer 1 */                               \
     X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */ \
-    /* results: raw, after the horizontal filter, final */                              \
-    X(DGB_AO_RAW, "ao_raw")                                                             \
-    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                             \
-    X(DGB_AO_HALF, "ao_half")                                                           \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                           \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                  \
+    /* results: raw, after the horizontal filter, final */                                \
+    X(DGB_AO_RAW, "ao_raw")                                                               \
+    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                               \
+    X(DGB_AO_HALF, "ao_half")                                                             \
+    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                             \
+    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                    \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */
 
 typedef enum dgb_slot {
@@ -325,7 +328,7 @@ typedef enum dgb_slot {
 #define DGB_SLOT_ENUM(slot, name) slot,
     DGB_SLOTS(DGB_SLOT_ENUM)
 #undef DGB_SLOT_ENUM
-    DGB_SLOT_COUNT
+        DGB_SLOT_COUNT
 } dgb_slot;
 
 typedef enum dgb_pass_id {
@@ -360,16 +363,16 @@ DGB_API uint16_t dgb_oct16_encode(const float n[3]);
 DGB_API void dgb_oct16_decode(uint16_t code, float n[3]);
 /* Both layers' normals in the four bytes of an RGBA8 texel, r lowest: layer 0 in r, g; layer 1 in b, a (Table 1). */
 DGB_API uint32_t dgb_pack_normals(const float n0[3], const float n1[3]);
-DGB_API void     dgb_unpack_normals(uint32_t packed, float n0[3], float n1[3]);
+DGB_API void dgb_unpack_normals(uint32_t packed, float n0[3], float n1[3]);
 
 /* What the shaders store: NaN and negative become 0, above 64512 becomes 64512. By selects, never by min or max. */
 DGB_API float dgb_storable(float x);
 /* R11G11B10F texel of dgb_storable(rgb), rounded to nearest even; r in the low bits. */
 DGB_API uint32_t dgb_r11g11b10f_pack(const float rgb[3]);
-DGB_API void     dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
+DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
 /* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
 DGB_API uint16_t dgb_half_from_float(float x);
-DGB_API float    dgb_half_to_float(uint16_t half);
+DGB_API float dgb_half_to_float(uint16_t half);
 
 /* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in
    the polar unit square (paper, Listing 3, which prints n = 1..98; tests/unit regenerates 1..256 from the measure).
@@ -401,12 +404,12 @@ typedef struct dgb_camera {
 /* `projection`: column-major, already widened and jittered; width, height: pixels of the whole buffer.
    DGB_INVALID, and *camera untouched, when the matrix is not finite, is singular, skewed or oblique, looks down +Z, or
    has its depth run against `reversed`. */
-DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip, bool reversed,
-                                          dgb_camera* camera);
+DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip,
+                                          bool reversed, dgb_camera* camera);
 /* The projection of the image widened by a guard band and shifted by a jitter (pixels): rows 0 and 1 times
    size / (size + 2 guard), then the jitter. */
-DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band, const float jitter[2],
-                                  float widened[16]);
+DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band,
+                                  const float jitter[2], float widened[16]);
 /* The depth as a fixed-point buffer of `codes` + 1 values holds it (65535 for D16, 16777215 for D24); 0 or less: a float
    buffer, which holds it as it is. Both sides of a comparison go through this, so that equal codes are equal numbers. */
 DGB_API float dgb_depth_code(float depth, float codes);
@@ -444,29 +447,34 @@ DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const fl
 /* --- parameters of a frame ---------------------------------------------------------------------------------------- */
 
 typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
-    float separation;        /* minimum separation dz of the layers, m; 0 = classic depth peeling */
-    bool  strict_separation; /* empty each layer-1 texel within dz of layer 0 when packing */
-    float guard_fraction;    /* share of the guard band that is shaded, 0..1; multi-bounce light wants more */
+    float separation;       /* minimum separation dz of the layers, m; 0 = classic depth peeling */
+    bool strict_separation; /* empty each layer-1 texel within dz of layer 0 when packing */
+    float guard_fraction;   /* share of the guard band that is shaded, 0..1; multi-bounce light wants more */
 
-    float ao_radius;     /* m */
-    int   ao_samples;    /* taps, 1..256 */
-    float ao_bias;       /* beta / ao_radius; below 0.017 Oct16 normals darken flat planes */
-    float ao_epsilon;    /* epsilon / ao_radius^2 */
-    float ao_intensity;  /* exponent of the visibility; 1 = the paper's */
-    int   ao_min_level;  /* coarsest detail allowed near: minimum MIP level, 0..5 */
+    float ao_radius;    /* m */
+    int ao_samples;     /* taps, 1..256 */
+    float ao_bias;      /* beta / ao_radius; below 0.017 Oct16 normals darken flat planes */
+    float ao_epsilon;   /* epsilon / ao_radius^2 */
+    float ao_intensity; /* exponent of the visibility; 1 = the paper's */
+    int ao_min_level;   /* coarsest detail allowed near: minimum MIP level, 0..5 */
 
-    float radius;      /* reach of bounced light, m */
-    int   samples;     /* taps N, 1..256 */
-    bool  normal_test; /* senders must face the receiver (Equation 5, second half) */
-    int   min_level;   /* minimum MIP level, 0..5 */
+    float radius;     /* reach of bounced light, m */
+    int samples;      /* taps N, 1..256 */
+    bool normal_test; /* senders must face the receiver (Equation 5, second half) */
+    int min_level;    /* minimum MIP level, 0..5 */
 
-    int   filter_taps;      /* reconstruction taps in each direction, odd, 1 (off) to 25 */
-    int   filter_step;      /* pixels from tap to tap, 1..8 */
+    int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
+    int filter_step;        /* pixels from tap to tap, 1..8 */
     float normal_sharpness; /* 0 ignores normals */
     float plane_sharpness;  /* 0 ignores depth */
 } dgb_params;
 
-typedef enum dgb_preset_id { DGB_PRESET_PERFORMANCE = 0, DGB_PRESET_BALANCED, DGB_PRESET_QUALITY, DGB_PRESET_COUNT } dgb_preset_id;
+typedef enum dgb_preset_id {
+    DGB_PRESET_PERFORMANCE = 0,
+    DGB_PRESET_BALANCED,
+    DGB_PRESET_QUALITY,
+    DGB_PRESET_COUNT
+} dgb_preset_id;
 
 /* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): scale these
    three to your scene.
@@ -479,60 +487,60 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id);
 /* --- backend ------------------------------------------------------------------------------------------------------ */
 
 typedef struct dgb_caps {
-    int  max_size;                     /* largest texture side, pixels */
-    int  max_layers;                   /* largest array texture */
+    int max_size;                      /* largest texture side, pixels */
+    int max_layers;                    /* largest array texture */
     bool clip_zero_to_one;             /* can set DGB_CLIP_ZERO_TO_ONE */
     bool deep_viewport;                /* can give deeper layers another viewport, of a fractional size */
     bool emission[DGB_EMISSION_COUNT]; /* which emissions work; SEPARATE always must */
 } dgb_caps;
 
 typedef struct dgb_texture_desc {
-    dgb_slot    slot; /* what it is for: a label */
-    dgb_format  format;
-    int         width, height;
-    int         layers;     /* 0: a 2D texture; else a 2D array */
-    int         levels;
-    const void* pixels;     /* first contents of level 0, tightly packed, or null */
-    uint64_t    bytes;      /* all levels and layers */
+    dgb_slot slot; /* what it is for: a label */
+    dgb_format format;
+    int width, height;
+    int layers; /* 0: a 2D texture; else a 2D array */
+    int levels;
+    const void* pixels; /* first contents of level 0, tightly packed, or null */
+    uint64_t bytes;     /* all levels and layers */
 } dgb_texture_desc;
 
 typedef struct dgb_define {
     const char* name;
-    int         value;
+    int value;
 } dgb_define;
 
 typedef struct dgb_program_desc {
     dgb_pass_id pass;
-    int         define_count;
-    dgb_define  defines[DGB_MAX_DEFINES];
+    int define_count;
+    dgb_define defines[DGB_MAX_DEFINES];
 } dgb_program_desc;
 
 typedef struct dgb_target {
     dgb_texture texture;
-    int         level;
-    int         layer; /* -1: all layers at once (layered rendering) */
+    int level;
+    int layer; /* -1: all layers at once (layered rendering) */
 } dgb_target;
 
 typedef struct dgb_pass {
     dgb_pass_id id;
-    int         color_count;
-    dgb_target  colors[DGB_MAX_TARGETS];
-    dgb_target  depth;                /* texture.id 0: none */
-    int         x, y;                 /* viewport, pixels of the target */
-    float       width, height;        /* whole, but for deeper layers of a lower resolution */
-    float       deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
-    dgb_emission emission;            /* LAYERS */
-    dgb_texture key;                  /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
-    int         key_layers;
-    bool        clear;                /* colours to 0, depth to clear_depth */
-    float       clear_depth;
-    bool        reversed;             /* depth test: nearer is greater */
-    dgb_clip    clip;
+    int color_count;
+    dgb_target colors[DGB_MAX_TARGETS];
+    dgb_target depth;              /* texture.id 0: none */
+    int x, y;                      /* viewport, pixels of the target */
+    float width, height;           /* whole, but for deeper layers of a lower resolution */
+    float deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
+    dgb_emission emission;         /* LAYERS */
+    dgb_texture key;               /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
+    int key_layers;
+    bool clear; /* colours to 0, depth to clear_depth */
+    float clear_depth;
+    bool reversed; /* depth test: nearer is greater */
+    dgb_clip clip;
 } dgb_pass;
 
 typedef struct dgb_backend {
-    int      version; /* DGB_VERSION that it was written for */
-    void*    user;    /* first argument of every callback */
+    int version; /* DGB_VERSION that it was written for */
+    void* user;  /* first argument of every callback */
     dgb_caps caps;
     void (*begin)(void* user); /* optional: save the host's state, set what every pass expects */
     void (*end)(void* user);   /* optional: put it back */
@@ -552,68 +560,68 @@ typedef struct dgb_backend {
 /* --- uniforms: std140, one struct a pass --------------------------------------------------------------------------- */
 
 typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders */
-    dgb_camera camera, previous; /* previous: of the frame that the oracle holds */
-    float      distance[4];          /* distance = d0 clip.z + d1 clip.w + d2 */
-    float      previous_distance[4];
-    float      size[4];  /* buffer width and height in pixels, separation in m, depth codes (65535, 16777215; 0 float) */
-    int32_t    layer[4]; /* first layer, layer count, oracle, instance multiplier */
-    int32_t    flags[4]; /* divisor of this pass's deeper layers, 1 for reversed depth */
+    dgb_camera camera, previous;   /* previous: of the frame that the oracle holds */
+    float distance[4];             /* distance = d0 clip.z + d1 clip.w + d2 */
+    float previous_distance[4];
+    float size[4];    /* buffer width and height in pixels, separation in m, depth codes (65535, 16777215; 0 float) */
+    int32_t layer[4]; /* first layer, layer count, oracle, instance multiplier */
+    int32_t flags[4]; /* divisor of this pass's deeper layers, 1 for reversed depth */
 } dgb_draw_uniforms;
 
 typedef struct dgb_pack_uniforms {
     dgb_camera camera;
-    float      rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
-    float      separation[4];  /* separation (m; -1: not strict), depth codes (0: float) */
-    int32_t    size[4];        /* buffer width and height */
+    float rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
+    float separation[4];  /* separation (m; -1: not strict), depth codes (0: float) */
+    int32_t size[4];      /* buffer width and height */
 } dgb_pack_uniforms;
 
 typedef struct dgb_ao_uniforms {
     dgb_camera camera;
-    int32_t    size[4];   /* buffer width and height, taps, frame */
-    int32_t    level[4];  /* log2 q, min level, max level */
-    float      radius[4]; /* r (m), 1/r^2, beta (m), epsilon (m^2) */
-    float      scale[4];  /* pi / N, intensity, largest radius in pixels */
-    float      taps[DGB_MAX_TAPS][4];
+    int32_t size[4];  /* buffer width and height, taps, frame */
+    int32_t level[4]; /* log2 q, min level, max level */
+    float radius[4];  /* r (m), 1/r^2, beta (m), epsilon (m^2) */
+    float scale[4];   /* pi / N, intensity, largest radius in pixels */
+    float taps[DGB_MAX_TAPS][4];
 } dgb_ao_uniforms;
 
 typedef struct dgb_gather_uniforms {
     dgb_camera camera;
-    int32_t    size[4];   /* buffer width and height, taps, frame */
-    int32_t    level[4];  /* log2 q, min level, max level */
-    float      radius[4]; /* r (m), r^2, normaliser k, largest radius in pixels */
-    float      taps[DGB_MAX_TAPS][4];
+    int32_t size[4];  /* buffer width and height, taps, frame */
+    int32_t level[4]; /* log2 q, min level, max level */
+    float radius[4];  /* r (m), r^2, normaliser k, largest radius in pixels */
+    float taps[DGB_MAX_TAPS][4];
 } dgb_gather_uniforms;
 
 typedef struct dgb_reconstruct_uniforms {
     dgb_camera camera;
-    int32_t    rect[4];      /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
-    int32_t    axis[4];      /* step in x, step in y, taps on one side */
-    float      sharpness[4]; /* normal, plane */
-    float      weights[DGB_MAX_FILTER_RADIUS + 1][4]; /* x: spatial weight at distance i */
+    int32_t rect[4];                             /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
+    int32_t axis[4];                             /* step in x, step in y, taps on one side */
+    float sharpness[4];                          /* normal, plane */
+    float weights[DGB_MAX_FILTER_RADIUS + 1][4]; /* x: spatial weight at distance i */
 } dgb_reconstruct_uniforms;
 
 /* --- plan --------------------------------------------------------------------------------------------------------- */
 
 typedef struct dgb_desc { /* 0 means default */
-    int            width, height; /* image, pixels, without guard band */
-    int            guard_band;    /* pixels on every side; default 0 */
-    int            layers;        /* default 2 */
-    int            divisor;       /* resolution of layers behind the first: 1 / divisor; 1, 2 or 4; default 1 */
-    uint32_t       effects;       /* DGB_EFFECT_*; default none */
-    uint32_t       targets;       /* DGB_TARGET_*; default all four */
-    dgb_source     source;
-    dgb_oracle     oracle;        /* default REPROJECT (PEEL for one layer, where there is nothing to choose) */
-    dgb_emission   emission;
-    dgb_format     depth_format;  /* D16, D24 or D32F; default D32F */
-    dgb_clip       clip;
-    bool           reversed;      /* nearer is greater */
-    dgb_normals    normals;       /* DGB_SOURCE_ENGINE */
-    bool           world_normals; /* DGB_SOURCE_ENGINE: normals are in world space */
-    dgb_senders    senders;
+    int width, height;    /* image, pixels, without guard band */
+    int guard_band;       /* pixels on every side; default 0 */
+    int layers;           /* default 2 */
+    int divisor;          /* resolution of layers behind the first: 1 / divisor; 1, 2 or 4; default 1 */
+    uint32_t effects;     /* DGB_EFFECT_*; default none */
+    uint32_t targets;     /* DGB_TARGET_*; default all four */
+    dgb_source source;
+    dgb_oracle oracle; /* default REPROJECT (PEEL for one layer, where there is nothing to choose) */
+    dgb_emission emission;
+    dgb_format depth_format; /* D16, D24 or D32F; default D32F */
+    dgb_clip clip;
+    bool reversed;       /* nearer is greater */
+    dgb_normals normals; /* DGB_SOURCE_ENGINE */
+    bool world_normals;  /* DGB_SOURCE_ENGINE: normals are in world space */
+    dgb_senders senders;
     dgb_normaliser normaliser;
-    const dgb_backend* backend;   /* null: dgb_make_plan assumes a device that can do everything */
-    dgb_log_fn     log;           /* may be null */
-    void*          log_user;
+    const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
+    dgb_log_fn log;             /* may be null */
+    void* log_user;
 } dgb_desc;
 
 typedef struct dgb_plan_input {
@@ -622,24 +630,24 @@ typedef struct dgb_plan_input {
 } dgb_plan_input;
 
 typedef struct dgb_plan_pass {
-    dgb_pass_id    id;
-    int            level;   /* MIP: level written. RECONSTRUCT: 0 along x, 1 along y */
-    int            program; /* index into programs; -1 for LAYERS */
-    int            input_count, output_count;
+    dgb_pass_id id;
+    int level;   /* MIP: level written. RECONSTRUCT: 0 along x, 1 along y */
+    int program; /* index into programs; -1 for LAYERS */
+    int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
-    dgb_slot       outputs[DGB_MAX_TARGETS];
+    dgb_slot outputs[DGB_MAX_TARGETS];
 } dgb_plan_pass;
 
 typedef struct dgb_plan {
-    int              width, height; /* of the buffers: image plus guard band */
-    int              layers, levels;
-    dgb_oracle       oracle;   /* as resolved */
-    dgb_emission     emission; /* as resolved */
-    int              texture_count, program_count, pass_count;
+    int width, height; /* of the buffers: image plus guard band */
+    int layers, levels;
+    dgb_oracle oracle;     /* as resolved */
+    dgb_emission emission; /* as resolved */
+    int texture_count, program_count, pass_count;
     dgb_texture_desc textures[DGB_MAX_TEXTURES];
     dgb_program_desc programs[DGB_MAX_PROGRAMS];
-    dgb_plan_pass    passes[DGB_MAX_PASSES];
-    uint64_t         bytes; /* of all textures */
+    dgb_plan_pass passes[DGB_MAX_PASSES];
+    uint64_t bytes; /* of all textures */
 } dgb_plan;
 
 /* What dgb_init would create and run: every texture, program and pass, with bytes. Pure: needs no device. Logs and
@@ -652,22 +660,22 @@ typedef struct dgb_view {
     float view[16];       /* world to camera */
     float projection[16]; /* of the image: no guard band, no jitter */
     float jitter[2];      /* pixels; added to the widened projection */
-    bool  cut;            /* the camera jumped: last frame is of no use */
-    bool  has_next;       /* next_view is known; else PREDICT goes on moving as from the last frame to this */
+    bool cut;             /* the camera jumped: last frame is of no use */
+    bool has_next;        /* next_view is known; else PREDICT goes on moving as from the last frame to this */
     float next_view[16];  /* of the next frame, for PREDICT */
 } dgb_view;
 
-typedef struct dgb_draw { /* what the engine's draw callback is told */
-    int          first_layer, layer_count; /* 0, k in a single pass; j, 1 for separate draws */
-    int          instances;                /* multiply your instance count, and attribute divisors, by this */
-    dgb_oracle   oracle;                   /* of this pass: PEEL on first frames */
+typedef struct dgb_draw {         /* what the engine's draw callback is told */
+    int first_layer, layer_count; /* 0, k in a single pass; j, 1 for separate draws */
+    int instances;                /* multiply your instance count, and attribute divisors, by this */
+    dgb_oracle oracle;            /* of this pass: PEEL on first frames */
     dgb_emission emission;
-    int          pose;                     /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
+    int pose;                       /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
                                               or after it (1: PREDICT); `previous` is the pose before that */
-    bool         depth_only;               /* no colour is kept: a cheaper program will do */
-    int          width, height;            /* buffer, guard band included */
-    float        view[16], projection[16]; /* projection: widened and jittered; draw with it */
-    float        previous_view[16], previous_projection[16];
+    bool depth_only;                /* no colour is kept: a cheaper program will do */
+    int width, height;              /* buffer, guard band included */
+    float view[16], projection[16]; /* projection: widened and jittered; draw with it */
+    float previous_view[16], previous_projection[16];
 } dgb_draw;
 
 /* Draws every opaque object once, with programs that contain the snippets. The layered target is bound, its viewport set,
@@ -685,18 +693,18 @@ typedef struct dgb_pose { /* a camera as drawn with: the projection widened and 
 } dgb_pose;
 
 typedef struct dgb_context { /* yours to place; its members are the library's */
-    uint32_t    initialised;
-    dgb_desc    desc;
+    uint32_t initialised;
+    dgb_desc desc;
     dgb_backend backend;
-    dgb_plan    plan;
+    dgb_plan plan;
     dgb_texture textures[DGB_SLOT_COUNT];
     dgb_program programs[DGB_MAX_PROGRAMS];
-    bool        has_layers;   /* something to shade */
-    bool        has_previous; /* the oracle holds a frame */
-    dgb_pose    drawn;        /* last */
-    dgb_pose    pending;      /* DELAY: submitted, not drawn yet */
-    dgb_camera  camera;       /* of `drawn` */
-    dgb_camera  oracle_camera; /* that the depth for the next frame's keep test was drawn with */
+    bool has_layers;          /* something to shade */
+    bool has_previous;        /* the oracle holds a frame */
+    dgb_pose drawn;           /* last */
+    dgb_pose pending;         /* DELAY: submitted, not drawn yet */
+    dgb_camera camera;        /* of `drawn` */
+    dgb_camera oracle_camera; /* that the depth for the next frame's keep test was drawn with */
 } dgb_context;
 
 /* Creates every texture and program of the plan. All or nothing: on failure *context is as before. Do not call it on a
@@ -709,7 +717,8 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height);
 DGB_API void dgb_shutdown(dgb_context* context);
 
 /* Builds the layers: calls `draw` once (single pass) or once a layer. Uses separation of params. */
-DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw, void* user);
+DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw,
+                             void* user);
 /* Instead of dgb_build: takes the engine's own layers for the next dgb_shade. */
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers);
 /* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. */
@@ -719,12 +728,12 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
    DGB_ORACLE, the next dgb_build: the two change places. */
 DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot);
 
-DGB_API const char* dgb_result_name(dgb_result result);      /* "DGB_OK"; "?" out of range, here and below */
-DGB_API const char* dgb_log_item_name(dgb_log_item item);    /* "SIZE" */
-DGB_API const char* dgb_slot_name(dgb_slot slot);            /* "ao_raw" */
-DGB_API const char* dgb_pass_name(dgb_pass_id pass);         /* "gather" */
-DGB_API const char* dgb_format_name(dgb_format format);      /* "RG32F" */
-DGB_API const char* dgb_oracle_name(dgb_oracle oracle);      /* "reproject" */
+DGB_API const char* dgb_result_name(dgb_result result);       /* "DGB_OK"; "?" out of range, here and below */
+DGB_API const char* dgb_log_item_name(dgb_log_item item);     /* "SIZE" */
+DGB_API const char* dgb_slot_name(dgb_slot slot);             /* "ao_raw" */
+DGB_API const char* dgb_pass_name(dgb_pass_id pass);          /* "gather" */
+DGB_API const char* dgb_format_name(dgb_format format);       /* "RG32F" */
+DGB_API const char* dgb_oracle_name(dgb_oracle oracle);       /* "reproject" */
 DGB_API const char* dgb_emission_name(dgb_emission emission); /* "vertex" */
 
 #ifdef __cplusplus
@@ -798,14 +807,14 @@ static float dgbi_snorm_value(uint32_t byte) { return (float)((int)(byte < 254u 
 
 DGB_API uint16_t dgb_oct16_encode(const float n[3]) {
     const float s = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float       x = 0.0f, y = 0.0f;
+    float x = 0.0f, y = 0.0f;
     if (dgbi_is_finite(s) && s > 1e-30f && s < 1e30f) {
         x = n[0] / s;
         y = n[1] / s;
         if (n[2] < 0.0f) {
             const float folded_x = (1.0f - fabsf(y)) * dgbi_sign(x);
-            y                    = (1.0f - fabsf(x)) * dgbi_sign(y);
-            x                    = folded_x;
+            y = (1.0f - fabsf(x)) * dgbi_sign(y);
+            x = folded_x;
         }
     }
     return (uint16_t)(dgbi_snorm_byte(x) | dgbi_snorm_byte(y) << 8);
@@ -813,13 +822,13 @@ DGB_API uint16_t dgb_oct16_encode(const float n[3]) {
 
 DGB_API void dgb_oct16_decode(uint16_t code, float n[3]) {
     const float x = dgbi_snorm_value(code & 255u), y = dgbi_snorm_value((uint32_t)code >> 8);
-    const float z        = 1.0f - fabsf(x) - fabsf(y);
+    const float z = 1.0f - fabsf(x) - fabsf(y);
     const float unfold_x = z < 0.0f ? (1.0f - fabsf(y)) * dgbi_sign(x) : x;
     const float unfold_y = z < 0.0f ? (1.0f - fabsf(x)) * dgbi_sign(y) : y;
-    const float length   = sqrtf(unfold_x * unfold_x + unfold_y * unfold_y + z * z);
-    n[0]                 = unfold_x / length;
-    n[1]                 = unfold_y / length;
-    n[2]                 = z / length;
+    const float length = sqrtf(unfold_x * unfold_x + unfold_y * unfold_y + z * z);
+    n[0] = unfold_x / length;
+    n[1] = unfold_y / length;
+    n[2] = z / length;
 }
 
 DGB_API uint32_t dgb_pack_normals(const float n0[3], const float n1[3]) {
@@ -838,13 +847,13 @@ DGB_API float dgb_storable(float x) {
 
 /* Unsigned float with a 5-bit exponent (bias 15) and `mantissa` bits, of a finite x >= 0, rounded to nearest even. */
 static uint32_t dgbi_small_float_pack(float x, int mantissa) {
-    const uint32_t bits  = dgbi_bits(x);
-    const int      shift = 23 - mantissa;
-    int            drop;
-    uint32_t       value, half, rest;
+    const uint32_t bits = dgbi_bits(x);
+    const int shift = 23 - mantissa;
+    int drop;
+    uint32_t value, half, rest;
     if (bits >= 0x38800000u) { /* 2^-14 and more: normal. Rebias the exponent, then round off the low bits */
         value = bits - 0x38000000u;
-        drop  = shift;
+        drop = shift;
     } else { /* subnormal: the implicit one becomes explicit and moves down */
         drop = shift + 113 - (int)(bits >> 23);
         if (drop > 24 + 1) return 0u;
@@ -876,7 +885,7 @@ DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]) {
 
 DGB_API uint16_t dgb_half_from_float(float x) {
     const uint32_t sign = dgbi_bits(x) >> 31 << 15;
-    const float    size = dgbi_from_bits(dgbi_bits(x) & 0x7fffffffu);
+    const float size = dgbi_from_bits(dgbi_bits(x) & 0x7fffffffu);
     if (dgbi_is_nan(x)) return 0u;
     return (uint16_t)(sign | dgbi_small_float_pack(size < 65504.0f ? size : 65504.0f, 10));
 }
@@ -890,17 +899,15 @@ DGB_API float dgb_half_to_float(uint16_t half) {
 
 /* Minimisers of the discrepancy for n = 1..256; the first 98 are the paper's Listing 3. */
 static const uint8_t dgbi_spiral_turns[DGB_MAX_TAPS] = {
-    1, 1, 2, 3, 2, 5, 2, 3, 2, 3, 3, 5, 5, 3, 4, 7, 5, 5, 7, 9, 8, 5, 5, 7, 7, 7, 8, 5, 8, 11, 12, 7, 10,
-    13, 8, 11, 8, 7, 14, 11, 11, 13, 12, 13, 19, 17, 13, 11, 18, 19, 11, 11, 14, 17, 21, 15, 16, 17, 18,
-    13, 17, 11, 17, 19, 18, 25, 18, 19, 19, 29, 21, 19, 27, 31, 29, 21, 18, 17, 29, 31, 31, 23, 18, 25, 26,
-    25, 23, 19, 34, 19, 27, 21, 25, 39, 29, 17, 21, 27, 29, 27, 30, 19, 37, 29, 29, 31, 41, 29, 30, 23, 31,
-    31, 21, 25, 34, 45, 43, 21, 50, 43, 46, 33, 34, 29, 27, 19, 29, 47, 49, 51, 50, 35, 51, 29, 41, 31, 37,
-    37, 41, 37, 43, 31, 31, 55, 44, 41, 41, 41, 40, 59, 59, 59, 55, 43, 57, 29, 34, 57, 44, 43, 45, 43, 44,
-    45, 49, 49, 46, 71, 64, 47, 50, 63, 66, 31, 47, 65, 49, 49, 50, 41, 50, 41, 67, 51, 68, 55, 71, 69, 40,
-    41, 74, 71, 81, 75, 59, 75, 43, 53, 55, 59, 56, 59, 44, 55, 61, 47, 76, 79, 80, 59, 59, 81, 59, 49, 64,
-    61, 47, 59, 67, 93, 50, 47, 66, 47, 62, 61, 61, 41, 64, 83, 50, 51, 89, 71, 66, 65, 64, 87, 66, 71, 55,
-    65, 92, 51, 93, 73, 68, 91, 76, 67, 98, 55, 68, 55, 107, 75
-};
+    1,  1,  2,  3,  2,  5,  2,  3,  2,  3,  3,  5,  5,  3,  4,  7,  5,  5,  7,  9,  8,  5,  5,   7,  7,  7,  8,  5,  8,
+    11, 12, 7,  10, 13, 8,  11, 8,  7,  14, 11, 11, 13, 12, 13, 19, 17, 13, 11, 18, 19, 11, 11,  14, 17, 21, 15, 16, 17,
+    18, 13, 17, 11, 17, 19, 18, 25, 18, 19, 19, 29, 21, 19, 27, 31, 29, 21, 18, 17, 29, 31, 31,  23, 18, 25, 26, 25, 23,
+    19, 34, 19, 27, 21, 25, 39, 29, 17, 21, 27, 29, 27, 30, 19, 37, 29, 29, 31, 41, 29, 30, 23,  31, 31, 21, 25, 34, 45,
+    43, 21, 50, 43, 46, 33, 34, 29, 27, 19, 29, 47, 49, 51, 50, 35, 51, 29, 41, 31, 37, 37, 41,  37, 43, 31, 31, 55, 44,
+    41, 41, 41, 40, 59, 59, 59, 55, 43, 57, 29, 34, 57, 44, 43, 45, 43, 44, 45, 49, 49, 46, 71,  64, 47, 50, 63, 66, 31,
+    47, 65, 49, 49, 50, 41, 50, 41, 67, 51, 68, 55, 71, 69, 40, 41, 74, 71, 81, 75, 59, 75, 43,  53, 55, 59, 56, 59, 44,
+    55, 61, 47, 76, 79, 80, 59, 59, 81, 59, 49, 64, 61, 47, 59, 67, 93, 50, 47, 66, 47, 62, 61,  61, 41, 64, 83, 50, 51,
+    89, 71, 66, 65, 64, 87, 66, 71, 55, 65, 92, 51, 93, 73, 68, 91, 76, 67, 98, 55, 68, 55, 107, 75};
 
 DGB_API int dgb_spiral_turns(int n) {
     if (n < 1) return 0;
@@ -909,26 +916,26 @@ DGB_API int dgb_spiral_turns(int n) {
 }
 
 DGB_API void dgb_spiral_tap(int i, int n, float tap[3]) {
-    const bool   valid = n >= 1 && i >= 0 && i < n;
+    const bool valid = n >= 1 && i >= 0 && i < n;
     const double kappa = valid ? ((double)i + 0.5) / (double)n : 0.0;
     /* only the fraction of a turn matters; taking it in integers keeps it exact */
     const int64_t half_turns = valid ? (2 * (int64_t)i + 1) * dgb_spiral_turns(n) % (2 * (int64_t)n) : 0;
-    const double  theta      = valid ? DGBI_PI * (double)half_turns / (double)n : 0.0;
-    tap[0]                   = (float)cos(theta);
-    tap[1]                   = (float)sin(theta);
-    tap[2]                   = (float)kappa;
+    const double theta = valid ? DGBI_PI * (double)half_turns / (double)n : 0.0;
+    tap[0] = (float)cos(theta);
+    tap[1] = (float)sin(theta);
+    tap[2] = (float)kappa;
 }
 
 DGB_API void dgb_rotation(int index, float cos_sin[2]) {
     const double phi = 2.0 * DGBI_PI * (double)(index & (DGB_ROTATION_COUNT - 1)) / DGB_ROTATION_COUNT;
-    cos_sin[0]       = (float)cos(phi);
-    cos_sin[1]       = (float)sin(phi);
+    cos_sin[0] = (float)cos(phi);
+    cos_sin[1] = (float)sin(phi);
 }
 
 DGB_API int dgb_pixel_hash(int x, int y, int frame) {
     uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u ^ (uint32_t)frame * 0xcb1ab31fu;
-    h          = (h ^ h >> 16) * 0x7feb352du;
-    h          = (h ^ h >> 15) * 0x846ca68bu;
+    h = (h ^ h >> 16) * 0x7feb352du;
+    h = (h ^ h >> 15) * 0x846ca68bu;
     return (int)(h >> 24);
 }
 
@@ -944,7 +951,8 @@ DGB_API int dgb_mip_levels(int width, int height) {
 }
 
 DGB_API void dgb_mip_source(const int p[2], int level, int source[2]) {
-    const int even = 0xaaaa >> (16 - level), odd = 0x5555 >> (16 - level); /* sums of every other power of two below 2^level */
+    const int even = 0xaaaa >> (16 - level),
+              odd = 0x5555 >> (16 - level); /* sums of every other power of two below 2^level */
     const int a = p[0] & 1, b = p[1] & 1;
     source[0] = (p[0] << level) + b * even + a * odd;
     source[1] = (p[1] << level) + a * even + b * odd;
@@ -974,16 +982,16 @@ static dgb_log_item dgbi_check_projection(const float p[16], bool reversed) {
 /* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel and z. */
 static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camera* camera) {
     const double scale = 2.0 / size, p_x = p[axis * 5], p_z = p[8 + axis], p_1 = p[12 + axis], w_z = p[11], w_1 = p[15];
-    camera->position_z[axis]     = (float)(scale * w_z / p_x);
+    camera->position_z[axis] = (float)(scale * w_z / p_x);
     camera->position_z[2 + axis] = (float)((-w_z - p_z) / p_x);
-    camera->position_1[axis]     = (float)(scale * w_1 / p_x);
+    camera->position_1[axis] = (float)(scale * w_1 / p_x);
     camera->position_1[2 + axis] = (float)((-w_1 - p_1) / p_x);
 }
 
-DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip, bool reversed,
-                                          dgb_camera* camera) {
+DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip,
+                                          bool reversed, dgb_camera* camera) {
     const float* p = projection;
-    dgb_camera   result;
+    dgb_camera result;
     /* ndc z = a depth + b, depth = t + clear depth: ndc = a t + c */
     const double a = clip == DGB_CLIP_ZERO_TO_ONE ? 1.0 : 2.0;
     const double c = a * (double)dgbi_clear_depth(reversed) + (clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0);
@@ -1007,11 +1015,11 @@ DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width,
     return DGB_OK;
 }
 
-DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band, const float jitter[2],
-                                  float widened[16]) {
+DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band,
+                                  const float jitter[2], float widened[16]) {
     const double size[2] = {(double)width + 2.0 * guard_band, (double)height + 2.0 * guard_band};
     const double scale[2] = {width / size[0], height / size[1]};
-    int          row, column;
+    int row, column;
     for (column = 0; column < 4; ++column) {
         const double w = projection[column * 4 + 3];
         for (row = 0; row < 2; ++row)
@@ -1030,10 +1038,10 @@ DGB_API float dgb_depth_code(float depth, float codes) {
 
 DGB_API float dgb_linear_z(float depth, const dgb_camera* camera) {
     const float* l = camera->linearise;
-    const float  t = depth - camera->footprint[3];
-    const float  w = l[2] + l[3] * t;
-    const float  z = w != 0.0f ? (l[0] + l[1] * t) / w : 0.0f;
-    const bool   perspective = camera->footprint[1] != 0.0f;
+    const float t = depth - camera->footprint[3];
+    const float w = l[2] + l[3] * t;
+    const float z = w != 0.0f ? (l[0] + l[1] * t) / w : 0.0f;
+    const bool perspective = camera->footprint[1] != 0.0f;
     if (!dgbi_is_finite(depth) || !dgbi_is_finite(z) || t == 0.0f || fabsf(z) > DGB_MAX_DISTANCE ||
         (perspective && z >= 0.0f))
         return 0.0f;
@@ -1062,10 +1070,10 @@ DGB_API bool dgb_keep_test(float z, float z_front, float separation) {
 /* >> ambient occlusion and radiosity: the terms */
 
 DGB_API float dgb_ao_term(const float v[3], const float n[3], float inv_r2, float beta, float epsilon) {
-    const float d2     = dgbi_dot(v, v);
+    const float d2 = dgbi_dot(v, v);
     const float length = sqrtf(d2 + epsilon);
     const float cosine = length > 0.0f ? (dgbi_dot(v, n) - beta) / length : 0.0f;
-    const float term   = dgbi_max0(1.0f - d2 * inv_r2) * dgbi_max0(cosine);
+    const float term = dgbi_max0(1.0f - d2 * inv_r2) * dgbi_max0(cosine);
     return dgbi_is_finite(term) ? term : 0.0f;
 }
 
@@ -1075,7 +1083,7 @@ DGB_API float dgb_ambient_visibility(float sum, int count) {
 }
 
 DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test) {
-    const float d2     = dgbi_dot(v, v);
+    const float d2 = dgbi_dot(v, v);
     const float cosine = d2 > 0.0f ? dgbi_dot(v, n_x) / sqrtf(d2) : 0.0f;
     if (!dgbi_is_finite(cosine) || !(d2 <= r2) || !(cosine > DGB_MIN_COSINE)) return 0.0f;
     if (normal_test && !(dgbi_dot(v, n_y) < 0.0f)) return 0.0f;
@@ -1090,23 +1098,23 @@ DGB_API float dgb_gather_scale(float sum_cos, int count, float k) {
 
 DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturated) {
     float high = 0.0f, low = dgbi_from_bits(0x7f7fffffu), s;
-    int   i;
+    int i;
     for (i = 0; i < 3; ++i) { /* NaN changes neither */
         if (dgbi_is_nan(albedo[i])) continue;
         high = albedo[i] > high ? albedo[i] : high;
-        low  = albedo[i] < low ? albedo[i] : low;
+        low = albedo[i] < low ? albedo[i] : low;
     }
     low = dgbi_max0(low);
-    s   = dgbi_is_finite(high) && high > low ? (high - low) / high : 0.0f;
+    s = dgbi_is_finite(high) && high > low ? (high - low) / high : 0.0f;
     return unsaturated + (saturated - unsaturated) * s;
 }
 
 DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
                                    float plane_sharpness) {
     const float normal = dgbi_max0(1.0f - normal_sharpness * (1.0f - dgbi_dot(n, n2)));
-    const float d2     = dgbi_dot(dq, dq);
-    const float off    = fmaxf(fabsf(dgbi_dot(dq, n)), fabsf(dgbi_dot(dq, n2)));
-    const float plane  = d2 > 0.0f ? dgbi_max0(1.0f - plane_sharpness * off / sqrtf(d2)) : 1.0f;
+    const float d2 = dgbi_dot(dq, dq);
+    const float off = fmaxf(fabsf(dgbi_dot(dq, n)), fabsf(dgbi_dot(dq, n2)));
+    const float plane = d2 > 0.0f ? dgbi_max0(1.0f - plane_sharpness * off / sqrtf(d2)) : 1.0f;
     const float weight = normal * plane * plane;
     return dgbi_is_finite(weight) ? weight : 0.0f;
 }
@@ -1115,29 +1123,29 @@ DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const fl
 
 DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     static const struct {
-        int   samples, filter_taps, min_level;
-        bool  normal_test;
+        int samples, filter_taps, min_level;
+        bool normal_test;
         float guard_fraction;
     } table[DGB_PRESET_COUNT] = {{13, 9, 3, false, 0.1f}, {14, 11, 2, true, 0.5f}, {30, 13, 0, true, 0.8f}};
-    const int  row = (int)id >= 0 && id < DGB_PRESET_COUNT ? (int)id : (int)DGB_PRESET_BALANCED;
+    const int row = (int)id >= 0 && id < DGB_PRESET_COUNT ? (int)id : (int)DGB_PRESET_BALANCED;
     dgb_params p;
     memset(&p, 0, sizeof p);
-    p.separation        = 0.5f;
+    p.separation = 0.5f;
     p.strict_separation = true;
-    p.guard_fraction    = table[row].guard_fraction;
-    p.ao_radius         = 1.0f;
-    p.ao_samples        = 16;
-    p.ao_bias           = 0.02f;
-    p.ao_epsilon        = 0.001f;
-    p.ao_intensity      = 1.0f;
-    p.radius            = 7.4f;
-    p.samples           = table[row].samples;
-    p.normal_test       = table[row].normal_test;
-    p.min_level         = table[row].min_level;
-    p.filter_taps       = table[row].filter_taps;
-    p.filter_step       = 1;
-    p.normal_sharpness  = 4.0f;
-    p.plane_sharpness   = 2.0f;
+    p.guard_fraction = table[row].guard_fraction;
+    p.ao_radius = 1.0f;
+    p.ao_samples = 16;
+    p.ao_bias = 0.02f;
+    p.ao_epsilon = 0.001f;
+    p.ao_intensity = 1.0f;
+    p.radius = 7.4f;
+    p.samples = table[row].samples;
+    p.normal_test = table[row].normal_test;
+    p.min_level = table[row].min_level;
+    p.filter_taps = table[row].filter_taps;
+    p.filter_step = 1;
+    p.normal_sharpness = 4.0f;
+    p.plane_sharpness = 2.0f;
     return p;
 }
 
@@ -1151,8 +1159,9 @@ static bool dgbi_in_range(int x, int low, int high) { return x >= low && x <= hi
 static dgb_log_item dgbi_check_params(const dgb_params* p) {
     if (!dgbi_at_least(p->separation, 0.0f)) return DGB_LOG_SEPARATION;
     if (!dgbi_at_least(p->guard_fraction, 0.0f) || p->guard_fraction > 1.0f) return DGB_LOG_GUARD_FRACTION;
-    if (!dgbi_is_radius(p->ao_radius) || !dgbi_in_range(p->ao_samples, 1, DGB_MAX_TAPS) || !dgbi_at_least(p->ao_bias, 0.0f) ||
-        !dgbi_at_least(p->ao_epsilon, 0.0f) || !dgbi_at_least(p->ao_intensity, 0.0f))
+    if (!dgbi_is_radius(p->ao_radius) || !dgbi_in_range(p->ao_samples, 1, DGB_MAX_TAPS) ||
+        !dgbi_at_least(p->ao_bias, 0.0f) || !dgbi_at_least(p->ao_epsilon, 0.0f) ||
+        !dgbi_at_least(p->ao_intensity, 0.0f))
         return DGB_LOG_AO_PARAMS;
     if (!dgbi_is_radius(p->radius) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
     if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
@@ -1193,9 +1202,10 @@ DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
 /* One row a format: name, bytes a texel. */
 static const struct {
     const char* name;
-    int         bytes;
-} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},   {"RG8", 2},   {"RGBA8", 4}, {"R11G11B10F", 4}, {"RG16F", 4},
-                                    {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"R32UI", 4}, {"D16", 2},   {"D24", 4},        {"D32F", 4}};
+    int bytes;
+} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},      {"RG8", 2},  {"RGBA8", 4}, {"R11G11B10F", 4},
+                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"R32UI", 4},
+                                    {"D16", 2},   {"D24", 4},     {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
@@ -1207,7 +1217,8 @@ DGB_API const char* dgb_oracle_name(dgb_oracle oracle) {
 }
 
 DGB_API const char* dgb_emission_name(dgb_emission emission) {
-    static const char* const names[] = {"auto", "separate", "geometry", "vertex", "instanced-geometry", "image", "multicast"};
+    static const char* const names[] = {"auto",  "separate", "geometry", "vertex", "instanced-geometry",
+                                        "image", "multicast"};
     return dgbi_in_range((int)emission, 0, DGB_EMISSION_COUNT - 1) ? names[emission] : "?";
 }
 
@@ -1231,14 +1242,14 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
 static bool dgbi_divisor_ok(const dgb_desc* d) {
     const int smaller = dgbi_min(d->width, d->height) + 2 * d->guard_band;
     if (d->divisor == 0 || d->divisor == 1) return true;
-    return (d->divisor == 2 || d->divisor == 4) && d->divisor <= smaller &&
-           d->emission != DGB_EMISSION_IMAGE && d->emission != DGB_EMISSION_MULTICAST;
+    return (d->divisor == 2 || d->divisor == 4) && d->divisor <= smaller && d->emission != DGB_EMISSION_IMAGE &&
+           d->emission != DGB_EMISSION_MULTICAST;
 }
 
 static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
-    const uint32_t targets    = d->targets ? d->targets : (uint32_t)DGB_TARGET_ALL;
-    const int      max_size   = d->backend ? dgbi_min(d->backend->caps.max_size, DGB_MAX_SIZE) : DGB_MAX_SIZE;
-    const int      max_layers = d->source == DGB_SOURCE_ENGINE ? DGB_MAX_SHADED_LAYERS : DGB_MAX_LAYERS;
+    const uint32_t targets = d->targets ? d->targets : (uint32_t)DGB_TARGET_ALL;
+    const int max_size = d->backend ? dgbi_min(d->backend->caps.max_size, DGB_MAX_SIZE) : DGB_MAX_SIZE;
+    const int max_layers = d->source == DGB_SOURCE_ENGINE ? DGB_MAX_SHADED_LAYERS : DGB_MAX_LAYERS;
     if (!dgbi_in_range(d->width, 1, DGB_MAX_SIZE) || !dgbi_in_range(d->height, 1, DGB_MAX_SIZE)) return DGB_LOG_SIZE;
     if (!dgbi_in_range(d->guard_band, 0, DGB_MAX_SIZE) || d->width + 2 * d->guard_band > max_size ||
         d->height + 2 * d->guard_band > max_size)
@@ -1247,8 +1258,10 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
     if (d->effects & ~(uint32_t)(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) return DGB_LOG_EFFECTS;
-    if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) || !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
-        !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) || !dgbi_in_range((int)d->clip, 0, DGB_CLIP_COUNT - 1) ||
+    if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) ||
+        !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
+        !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) ||
+        !dgbi_in_range((int)d->clip, 0, DGB_CLIP_COUNT - 1) ||
         !dgbi_in_range((int)d->normals, 0, DGB_NORMALS_COUNT - 1) ||
         !dgbi_in_range((int)d->senders, 0, DGB_SENDERS_COUNT - 1) ||
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
@@ -1287,15 +1300,17 @@ static void dgbi_resolve_defaults(dgb_desc* d) {
     d->emission = dgbi_choose_emission(d);
 }
 
-static bool dgbi_has_prediction(dgb_oracle oracle) { return oracle == DGB_ORACLE_PREDICT || oracle == DGB_ORACLE_DELAY; }
+static bool dgbi_has_prediction(dgb_oracle oracle) {
+    return oracle == DGB_ORACLE_PREDICT || oracle == DGB_ORACLE_DELAY;
+}
 
 static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
     dgb_texture_desc* t = &plan->textures[plan->texture_count++];
-    int               level;
+    int level;
     DGB_ASSERT(plan->texture_count <= DGB_MAX_TEXTURES);
-    t->slot   = slot;
+    t->slot = slot;
     t->format = format;
-    t->width  = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : plan->width;
+    t->width = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : plan->width;
     t->height = slot == DGB_ROTATIONS ? 1 : plan->height;
     t->layers = layers;
     t->levels = levels;
@@ -1314,7 +1329,7 @@ static int dgbi_add_program(dgb_plan* plan, dgb_pass_id pass) {
 static void dgbi_add_define(dgb_plan* plan, const char* name, int value) {
     dgb_program_desc* program = &plan->programs[plan->program_count - 1];
     DGB_ASSERT(program->define_count < DGB_MAX_DEFINES);
-    program->defines[program->define_count].name  = name;
+    program->defines[program->define_count].name = name;
     program->defines[program->define_count].value = value;
     ++program->define_count;
 }
@@ -1322,15 +1337,15 @@ static void dgbi_add_define(dgb_plan* plan, const char* name, int value) {
 static dgb_plan_pass* dgbi_add_pass(dgb_plan* plan, dgb_pass_id id, int level, int program) {
     dgb_plan_pass* pass = &plan->passes[plan->pass_count++];
     DGB_ASSERT(plan->pass_count <= DGB_MAX_PASSES);
-    pass->id      = id;
-    pass->level   = level;
+    pass->id = id;
+    pass->level = level;
     pass->program = program;
     return pass;
 }
 
 static void dgbi_add_input_as(dgb_plan_pass* pass, dgb_slot name, dgb_slot texture) {
     DGB_ASSERT(pass->input_count < DGB_MAX_INPUTS);
-    pass->inputs[pass->input_count].name    = name;
+    pass->inputs[pass->input_count].name = name;
     pass->inputs[pass->input_count].texture = texture;
     ++pass->input_count;
 }
@@ -1344,8 +1359,8 @@ static void dgbi_add_output(dgb_plan_pass* pass, dgb_slot slot) {
 
 /* Run once for each layer behind the first. */
 static void dgbi_plan_resolve(const dgb_desc* d, dgb_plan* plan) {
-    const int      program = dgbi_add_program(plan, DGB_PASS_RESOLVE);
-    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_RESOLVE, 0, program);
+    const int program = dgbi_add_program(plan, DGB_PASS_RESOLVE);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RESOLVE, 0, program);
     dgbi_add_texture(plan, DGB_KEY, DGB_FORMAT_R32UI, d->layers - 1, 1);
     dgbi_add_input(pass, DGB_KEY);
     dgbi_add_output(pass, DGB_DEPTH);
@@ -1361,15 +1376,15 @@ static void dgbi_plan_predict(const dgb_desc* d, dgb_plan* plan) {
 
 static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     static const struct {
-        uint32_t   target;
-        dgb_slot   slot;
+        uint32_t target;
+        dgb_slot slot;
         dgb_format format;
     } colors[] = {{DGB_TARGET_ALBEDO, DGB_ALBEDO, DGB_FORMAT_RGBA8},
                   {DGB_TARGET_NORMAL, DGB_NORMAL, DGB_FORMAT_RGBA8},
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
-    size_t         i;
+    size_t i;
     dgbi_add_texture(plan, DGB_DEPTH, d->depth_format, d->layers, 1);
     for (i = 0; i < sizeof colors / sizeof colors[0]; ++i)
         if (d->targets & colors[i].target) {
@@ -1388,7 +1403,8 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
 }
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pass* pass) {
-    static const dgb_slot depth[] = {DGB_ENGINE_DEPTH0, DGB_ENGINE_DEPTH1}, normal[] = {DGB_ENGINE_NORMAL0, DGB_ENGINE_NORMAL1},
+    static const dgb_slot depth[] = {DGB_ENGINE_DEPTH0, DGB_ENGINE_DEPTH1},
+                          normal[] = {DGB_ENGINE_NORMAL0, DGB_ENGINE_NORMAL1},
                           light[] = {DGB_ENGINE_RADIANCE0, DGB_ENGINE_RADIANCE1};
     int layer;
     if (d->source == DGB_SOURCE_BUILD) {
@@ -1412,12 +1428,13 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
 }
 
 static void dgbi_plan_pack(const dgb_desc* d, int layers, dgb_plan* plan) {
-    const bool     radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
-    const int      program  = dgbi_add_program(plan, DGB_PASS_PACK);
-    dgb_plan_pass* pass     = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
+    const bool radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    const int program = dgbi_add_program(plan, DGB_PASS_PACK);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", layers);
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
-    dgbi_add_define(plan, "DGB_NORMALS_FORMAT", d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
+    dgbi_add_define(plan, "DGB_NORMALS_FORMAT",
+                    d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_texture(plan, DGB_Z, layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F, 0, plan->levels);
@@ -1431,7 +1448,7 @@ static void dgbi_plan_pack(const dgb_desc* d, int layers, dgb_plan* plan) {
 /* Occlusion taps read z alone; radiosity reads everything at every level. */
 static void dgbi_plan_mip(const dgb_desc* d, int layers, dgb_plan* plan) {
     const bool radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
-    int        program, level, i;
+    int program, level, i;
     if (plan->levels == 1) return;
     program = dgbi_add_program(plan, DGB_PASS_MIP);
     dgbi_add_define(plan, "DGB_LAYERS", layers);
@@ -1444,8 +1461,8 @@ static void dgbi_plan_mip(const dgb_desc* d, int layers, dgb_plan* plan) {
 }
 
 static void dgbi_plan_ao(const dgb_desc* d, int layers, dgb_plan* plan) {
-    const int      program = dgbi_add_program(plan, DGB_PASS_AO);
-    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
+    const int program = dgbi_add_program(plan, DGB_PASS_AO);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", layers);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
@@ -1457,9 +1474,9 @@ static void dgbi_plan_ao(const dgb_desc* d, int layers, dgb_plan* plan) {
 
 /* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
 static void dgbi_plan_gather(const dgb_desc* d, int layers, dgb_plan* plan) {
-    const int      program = plan->program_count;
-    dgb_plan_pass* pass    = dgbi_add_pass(plan, DGB_PASS_GATHER, 0, program);
-    int            normal_test;
+    const int program = plan->program_count;
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_GATHER, 0, program);
+    int normal_test;
     for (normal_test = 0; normal_test < 2; ++normal_test) {
         dgbi_add_program(plan, DGB_PASS_GATHER);
         dgbi_add_define(plan, "DGB_LAYERS", layers);
@@ -1477,11 +1494,11 @@ static void dgbi_plan_gather(const dgb_desc* d, int layers, dgb_plan* plan) {
 }
 
 static void dgbi_plan_reconstruct(const dgb_desc* d, dgb_plan* plan) {
-    static const dgb_slot ao[]         = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
+    static const dgb_slot ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
     static const dgb_slot irradiance[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
-    const bool            has_ao = (d->effects & DGB_EFFECT_AO) != 0, has_light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
-    const int             program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
-    int                   axis;
+    const bool has_ao = (d->effects & DGB_EFFECT_AO) != 0, has_light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
+    int axis;
     dgbi_add_define(plan, "DGB_FILTER_AO", has_ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", has_light);
     for (axis = 0; axis < 2; ++axis) {
@@ -1504,11 +1521,11 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, dgb_plan* plan) {
 static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     const int shaded = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
     memset(plan, 0, sizeof *plan);
-    plan->width    = d->width + 2 * d->guard_band;
-    plan->height   = d->height + 2 * d->guard_band;
-    plan->layers   = d->layers;
-    plan->levels   = dgb_mip_levels(plan->width, plan->height);
-    plan->oracle   = d->oracle;
+    plan->width = d->width + 2 * d->guard_band;
+    plan->height = d->height + 2 * d->guard_band;
+    plan->layers = d->layers;
+    plan->levels = dgb_mip_levels(plan->width, plan->height);
+    plan->oracle = d->oracle;
     plan->emission = d->emission;
     if (d->source == DGB_SOURCE_BUILD) dgbi_plan_layers(d, plan);
     if (!d->effects) return;
@@ -1522,7 +1539,7 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
 
 DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan) {
     dgb_log_item item;
-    dgb_desc     resolved;
+    dgb_desc resolved;
     if (!desc || !plan) return dgbi_fail(desc, DGB_INVALID, DGB_LOG_NULL_ARGUMENT);
     item = dgbi_check_desc(desc);
     if (item != DGB_LOG_NONE) return dgbi_fail(desc, DGB_INVALID, item);
@@ -1565,14 +1582,15 @@ static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB
     }
 }
 
-static dgb_result dgbi_create_textures(const dgb_backend* b, const dgb_plan* plan, dgb_texture textures[DGB_SLOT_COUNT]) {
+static dgb_result dgbi_create_textures(const dgb_backend* b, const dgb_plan* plan,
+                                       dgb_texture textures[DGB_SLOT_COUNT]) {
     float rotations[DGB_ROTATION_COUNT][2];
-    int   i;
+    int i;
     for (i = 0; i < DGB_ROTATION_COUNT; ++i) dgb_rotation(i, rotations[i]);
     memset(textures, 0, sizeof(dgb_texture) * DGB_SLOT_COUNT);
     for (i = 0; i < plan->texture_count; ++i) {
         dgb_texture_desc t = plan->textures[i];
-        dgb_result       result;
+        dgb_result result;
         if (t.slot == DGB_ROTATIONS) t.pixels = rotations;
         result = b->texture_create(b->user, &t, &textures[t.slot]);
         if (result == DGB_OK && textures[t.slot].id) continue;
@@ -1592,7 +1610,8 @@ static void dgbi_destroy_programs(const dgb_backend* b, dgb_program programs[DGB
         }
 }
 
-static dgb_result dgbi_create_programs(const dgb_backend* b, const dgb_plan* plan, dgb_program programs[DGB_MAX_PROGRAMS]) {
+static dgb_result dgbi_create_programs(const dgb_backend* b, const dgb_plan* plan,
+                                       dgb_program programs[DGB_MAX_PROGRAMS]) {
     int i;
     for (i = 0; i < plan->program_count; ++i) {
         const dgb_result result = b->program_create(b->user, &plan->programs[i], &programs[i]);
@@ -1605,9 +1624,9 @@ static dgb_result dgbi_create_programs(const dgb_backend* b, const dgb_plan* pla
 }
 
 DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
-    dgb_context  c;
+    dgb_context c;
     dgb_log_item item;
-    dgb_result   result;
+    dgb_result result;
     if (!context || !desc) return dgbi_fail(desc, DGB_INVALID, DGB_LOG_NULL_ARGUMENT);
     item = dgbi_check_backend(desc->backend);
     if (item != DGB_LOG_NONE) return dgbi_fail(desc, DGB_INVALID, item);
@@ -1616,7 +1635,7 @@ DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
     if (result != DGB_OK) return result;
     c.desc = *desc;
     dgbi_resolve_defaults(&c.desc);
-    c.backend      = *desc->backend;
+    c.backend = *desc->backend;
     c.desc.backend = NULL; /* the caller's struct need not live on */
     dgbi_begin(&c.backend);
     result = dgbi_create_textures(&c.backend, &c.plan, c.textures);
@@ -1631,24 +1650,24 @@ DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
     dgbi_end(&c.backend);
     if (result != DGB_OK) return dgbi_fail(desc, result, item);
     c.initialised = DGBI_INITIALISED;
-    *context      = c;
+    *context = c;
     return DGB_OK;
 }
 
 static bool dgbi_is_live(const dgb_context* context) { return context && context->initialised == DGBI_INITIALISED; }
 
 DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
-    dgb_desc    desc;
-    dgb_plan    plan;
+    dgb_desc desc;
+    dgb_plan plan;
     dgb_texture textures[DGB_SLOT_COUNT];
-    dgb_result  result;
+    dgb_result result;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (width == context->desc.width && height == context->desc.height) return DGB_OK;
-    desc         = context->desc;
+    desc = context->desc;
     desc.backend = &context->backend;
-    desc.width   = width;
-    desc.height  = height;
-    result       = dgb_make_plan(&desc, &plan);
+    desc.width = width;
+    desc.height = height;
+    result = dgb_make_plan(&desc, &plan);
     if (result != DGB_OK) return result;
     dgbi_begin(&context->backend);
     result = dgbi_create_textures(&context->backend, &plan, textures);
@@ -1656,10 +1675,10 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
     dgbi_end(&context->backend);
     if (result != DGB_OK) return dgbi_fail(&desc, result, DGB_LOG_TEXTURE);
     memcpy(context->textures, textures, sizeof textures);
-    context->plan         = plan;
-    context->desc.width   = width;
-    context->desc.height  = height;
-    context->has_layers   = false;
+    context->plan = plan;
+    context->desc.width = width;
+    context->desc.height = height;
+    context->has_layers = false;
     context->has_previous = false;
     return DGB_OK;
 }
@@ -1686,12 +1705,13 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
 
 static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
-    pass->id          = plan_pass->id;
-    pass->color_count = plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
+    pass->id = plan_pass->id;
+    pass->color_count =
+        plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
     for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
-        pass->colors[i].level   = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
-        pass->colors[i].layer   = layer;
+        pass->colors[i].level = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
+        pass->colors[i].layer = layer;
     }
     c->backend.pass_begin(c->backend.user, pass);
 }
@@ -1708,38 +1728,38 @@ static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
 /* distance = d0 clip.z + d1 clip.w + d2, from whichever of the two carries z */
 static void dgbi_distance_row(const float p[16], float row[4]) {
     const bool perspective = p[11] != 0.0f;
-    row[0]                 = perspective ? 0.0f : -1.0f / p[10];
-    row[1]                 = perspective ? -1.0f / p[11] : 0.0f;
-    row[2]                 = perspective ? p[15] / p[11] : p[14] / p[10];
-    row[3]                 = 0.0f;
+    row[0] = perspective ? 0.0f : -1.0f / p[10];
+    row[1] = perspective ? -1.0f / p[11] : 0.0f;
+    row[2] = perspective ? p[15] / p[11] : p[14] / p[10];
+    row[3] = 0.0f;
 }
 
 static float dgbi_depth_codes(dgb_format format) {
     return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
 }
 
-typedef struct dgbi_build { /* one submission: the layers, or the prediction */
+typedef struct dgbi_build {         /* one submission: the layers, or the prediction */
     const dgb_plan_pass* plan_pass; /* LAYERS or PREDICT */
-    dgb_slot             depth;     /* depth layers written */
-    int                  layers;
-    dgb_pose             pose, previous;
-    dgb_camera           camera;
-    dgb_oracle           oracle;
-    dgb_emission         emission;
-    int                  pose_offset; /* dgb_draw.pose */
-    float                separation;
-    dgb_draw_fn          draw;
-    void*                user;
+    dgb_slot depth;                 /* depth layers written */
+    int layers;
+    dgb_pose pose, previous;
+    dgb_camera camera;
+    dgb_oracle oracle;
+    dgb_emission emission;
+    int pose_offset; /* dgb_draw.pose */
+    float separation;
+    dgb_draw_fn draw;
+    void* user;
 } dgbi_build;
 
 static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* draw) {
     memset(draw, 0, sizeof *draw);
-    draw->oracle     = b->oracle;
-    draw->emission   = b->emission;
-    draw->pose       = b->pose_offset;
+    draw->oracle = b->oracle;
+    draw->emission = b->emission;
+    draw->pose = b->pose_offset;
     draw->depth_only = b->plan_pass->id == DGB_PASS_PREDICT;
-    draw->width      = c->plan.width;
-    draw->height     = c->plan.height;
+    draw->width = c->plan.width;
+    draw->height = c->plan.height;
     memcpy(draw->view, b->pose.view, sizeof draw->view);
     memcpy(draw->projection, b->pose.projection, sizeof draw->projection);
     memcpy(draw->previous_view, b->previous.view, sizeof draw->view);
@@ -1748,14 +1768,14 @@ static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* 
 
 static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw, dgb_draw_uniforms* u) {
     memset(u, 0, sizeof *u);
-    u->camera   = b->camera;
+    u->camera = b->camera;
     u->previous = draw->oracle == DGB_ORACLE_PEEL ? b->camera : c->oracle_camera; /* peeling reads this frame's depth */
     dgbi_distance_row(draw->projection, u->distance);
     dgbi_distance_row(draw->previous_projection, u->previous_distance);
-    u->size[0]  = (float)draw->width;
-    u->size[1]  = (float)draw->height;
-    u->size[2]  = b->separation;
-    u->size[3]  = dgbi_depth_codes(c->desc.depth_format);
+    u->size[0] = (float)draw->width;
+    u->size[1] = (float)draw->height;
+    u->size[2] = b->separation;
+    u->size[3] = dgbi_depth_codes(c->desc.depth_format);
     u->layer[0] = draw->first_layer;
     u->layer[1] = draw->layer_count;
     u->layer[2] = (int32_t)draw->oracle;
@@ -1766,25 +1786,25 @@ static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const 
 
 /* One layered pass: all layers at once, or one. IMAGE emission rasterises the first and reaches the others by itself. */
 static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
-    const bool        image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
-    const int         layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
-    const float       shrink = layer > 0 ? (float)c->desc.divisor : 1.0f;
+    const bool image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
+    const int layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
+    const float shrink = layer > 0 ? (float)c->desc.divisor : 1.0f;
     dgb_draw_uniforms uniforms;
-    dgb_pass          pass;
+    dgb_pass pass;
     memset(&pass, 0, sizeof pass);
     pass.depth.texture = c->textures[b->depth];
-    pass.depth.layer   = layer;
-    pass.width         = (float)c->plan.width / shrink;
-    pass.height        = (float)c->plan.height / shrink;
-    pass.deep_width    = (float)c->plan.width / (float)c->desc.divisor;
-    pass.deep_height   = (float)c->plan.height / (float)c->desc.divisor;
-    pass.clear         = true;
-    pass.clear_depth   = dgbi_clear_depth(c->desc.reversed);
-    pass.reversed      = c->desc.reversed;
-    pass.clip          = c->desc.clip;
-    pass.emission      = draw->emission;
+    pass.depth.layer = layer;
+    pass.width = (float)c->plan.width / shrink;
+    pass.height = (float)c->plan.height / shrink;
+    pass.deep_width = (float)c->plan.width / (float)c->desc.divisor;
+    pass.deep_height = (float)c->plan.height / (float)c->desc.divisor;
+    pass.clear = true;
+    pass.clear_depth = dgbi_clear_depth(c->desc.reversed);
+    pass.reversed = c->desc.reversed;
+    pass.clip = c->desc.clip;
+    pass.emission = draw->emission;
     if (image) {
-        pass.key        = c->textures[DGB_KEY];
+        pass.key = c->textures[DGB_KEY];
         pass.key_layers = c->plan.layers - 1;
     }
     dgbi_begin_pass(c, b->plan_pass, &pass, layer);
@@ -1799,7 +1819,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
 
 static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
     const bool image_alone = b->emission == DGB_EMISSION_IMAGE && b->plan_pass->id == DGB_PASS_PREDICT;
-    dgb_draw   draw;
+    dgb_draw draw;
     dgbi_marker(c, b->plan_pass->id, true);
     dgbi_fill_draw(c, b, &draw);
     if (b->oracle == DGB_ORACLE_PEEL || b->emission == DGB_EMISSION_SEPARATE || image_alone) {
@@ -1807,7 +1827,7 @@ static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
         for (draw.first_layer = 0; draw.first_layer < b->layers; ++draw.first_layer) dgbi_layer_pass(c, b, &draw);
     } else {
         draw.layer_count = b->layers;
-        draw.instances   = b->emission == DGB_EMISSION_VERTEX ? b->layers : 1;
+        draw.instances = b->emission == DGB_EMISSION_VERTEX ? b->layers : 1;
         dgbi_layer_pass(c, b, &draw);
     }
     dgbi_marker(c, b->plan_pass->id, false);
@@ -1823,17 +1843,17 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
 /* IMAGE emission: the depth bits of each deeper layer become its depth. */
 static void dgbi_resolve(const dgb_context* c) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
-    dgb_pass             pass;
-    int32_t              layer[4] = {0, 0, 0, 0};
+    dgb_pass pass;
+    int32_t layer[4] = {0, 0, 0, 0};
     dgbi_marker(c, DGB_PASS_RESOLVE, true);
     for (layer[0] = 0; layer[0] < c->plan.layers - 1; ++layer[0]) {
         memset(&pass, 0, sizeof pass);
-        pass.id            = DGB_PASS_RESOLVE;
+        pass.id = DGB_PASS_RESOLVE;
         pass.depth.texture = c->textures[DGB_DEPTH];
-        pass.depth.layer   = layer[0] + 1;
-        pass.width         = (float)c->plan.width;
-        pass.height        = (float)c->plan.height;
-        pass.clip          = c->desc.clip;
+        pass.depth.layer = layer[0] + 1;
+        pass.width = (float)c->plan.width;
+        pass.height = (float)c->plan.height;
+        pass.clip = c->desc.clip;
         c->backend.pass_begin(c->backend.user, &pass);
         dgbi_bind_inputs(c, plan_pass);
         c->backend.uniforms_upload(c->backend.user, layer, sizeof layer);
@@ -1845,8 +1865,8 @@ static void dgbi_resolve(const dgb_context* c) {
 
 static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
     const dgb_texture texture = c->textures[a];
-    c->textures[a]            = c->textures[b];
-    c->textures[b]            = texture;
+    c->textures[a] = c->textures[b];
+    c->textures[b] = texture;
 }
 
 /* The inverse of an affine matrix, in double; false when it is singular. */
@@ -1854,8 +1874,8 @@ static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
     const double a = m[0], b = m[4], c = m[8], d = m[1], e = m[5], f = m[9], g = m[2], h = m[6], i = m[10];
     const double cofactors[9] = {e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g,
                                  c * d - a * f, d * h - e * g, b * g - a * h, a * e - b * d};
-    const double determinant  = a * cofactors[0] + b * cofactors[3] + c * cofactors[6];
-    int          row, column;
+    const double determinant = a * cofactors[0] + b * cofactors[3] + c * cofactors[6];
+    int row, column;
     if (!(determinant > 0.0 || determinant < 0.0)) return false;
     for (row = 0; row < 3; ++row) {
         for (column = 0; column < 3; ++column) inverse[column * 3 + row] = cofactors[row * 3 + column] / determinant;
@@ -1876,7 +1896,7 @@ static void dgbi_multiply_affine(const double m[12], const double n[12], double 
 /* The view after `now` when it goes on moving as from `before` to `now`: now before^-1 now. */
 static void dgbi_extrapolate_view(const float before[16], const float now[16], float next[16]) {
     double inverse[12], affine[12], step[12], result[12];
-    int    row, column;
+    int row, column;
     memcpy(next, now, sizeof(float) * 16);
     if (!dgbi_invert_affine(before, inverse)) return;
     for (column = 0; column < 4; ++column)
@@ -1889,29 +1909,31 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
 
 static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_pose* pose) {
     memcpy(pose->view, view->view, sizeof pose->view);
-    dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter, pose->projection);
+    dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter,
+                         pose->projection);
 }
 
 /* What the layers are drawn with: the pose submitted, or with DELAY the one before it. */
 static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, bool fresh, dgbi_build* b) {
     const bool delayed = c->plan.oracle == DGB_ORACLE_DELAY && !fresh;
-    b->plan_pass       = &c->plan.passes[0];
-    b->depth           = DGB_DEPTH;
-    b->layers          = c->plan.layers;
-    b->pose            = delayed ? c->pending : *submitted;
-    b->previous        = fresh ? b->pose : c->drawn;
-    b->oracle          = fresh ? DGB_ORACLE_PEEL : c->plan.oracle;
-    b->emission        = c->plan.emission;
-    b->pose_offset     = delayed ? -1 : 0;
+    b->plan_pass = &c->plan.passes[0];
+    b->depth = DGB_DEPTH;
+    b->layers = c->plan.layers;
+    b->pose = delayed ? c->pending : *submitted;
+    b->previous = fresh ? b->pose : c->drawn;
+    b->oracle = fresh ? DGB_ORACLE_PEEL : c->plan.oracle;
+    b->emission = c->plan.emission;
+    b->pose_offset = delayed ? -1 : 0;
 }
 
 /* What the next frame's oracle is drawn with: with DELAY the pose submitted, with PREDICT a guess. */
-static void dgbi_predict_build(const dgb_context* c, const dgb_pose* submitted, const dgb_view* view, bool fresh, dgbi_build* b) {
+static void dgbi_predict_build(const dgb_context* c, const dgb_pose* submitted, const dgb_view* view, bool fresh,
+                               dgbi_build* b) {
     b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_PREDICT);
-    b->depth     = DGB_PREDICTED;
-    b->layers    = c->plan.layers - 1;
-    b->previous  = b->pose;
-    b->pose      = *submitted;
+    b->depth = DGB_PREDICTED;
+    b->layers = c->plan.layers - 1;
+    b->previous = b->pose;
+    b->pose = *submitted;
     b->pose_offset = c->plan.oracle == DGB_ORACLE_PREDICT ? 1 : 0;
     if (c->plan.oracle != DGB_ORACLE_PREDICT) return;
     if (view->has_next)
@@ -1927,15 +1949,17 @@ static dgb_log_item dgbi_check_view(const dgb_view* view, bool reversed) {
 }
 
 static dgb_result dgbi_camera_of(const dgb_context* c, const dgb_pose* pose, dgb_camera* camera) {
-    return dgb_camera_from_matrix(pose->projection, c->plan.width, c->plan.height, c->desc.clip, c->desc.reversed, camera);
+    return dgb_camera_from_matrix(pose->projection, c->plan.width, c->plan.height, c->desc.clip, c->desc.reversed,
+                                  camera);
 }
 
-DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw_fn, void* user) {
+DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw_fn,
+                             void* user) {
     dgb_log_item item = DGB_LOG_NONE;
-    dgb_pose     submitted;
-    dgb_camera   camera; /* of the pose submitted */
-    dgbi_build   b;
-    bool         fresh, predicts;
+    dgb_pose submitted;
+    dgb_camera camera; /* of the pose submitted */
+    dgbi_build b;
+    bool fresh, predicts;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!view || !params || !draw_fn) item = DGB_LOG_NULL_ARGUMENT;
     if (item == DGB_LOG_NONE && context->desc.source != DGB_SOURCE_BUILD) item = DGB_LOG_WRONG_SOURCE;
@@ -1945,12 +1969,12 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     dgbi_submitted_pose(context, view, &submitted);
     if (dgbi_camera_of(context, &submitted, &camera)) return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
 
-    fresh    = !context->has_previous || view->cut;
+    fresh = !context->has_previous || view->cut;
     predicts = context->textures[DGB_PREDICTED].id != 0;
     memset(&b, 0, sizeof b);
     b.separation = params->separation;
-    b.draw       = draw_fn;
-    b.user       = user;
+    b.draw = draw_fn;
+    b.user = user;
     if (predicts)
         dgbi_swap(context, DGB_PREDICTED, DGB_ORACLE);
     else if (context->textures[DGB_ORACLE].id)
@@ -1973,22 +1997,22 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     dgbi_end(&context->backend);
 
     context->oracle_camera = b.camera;
-    context->drawn         = b.pose;
-    context->pending       = submitted;
-    context->has_previous  = true;
-    context->has_layers    = true;
+    context->drawn = b.pose;
+    context->pending = submitted;
+    context->has_previous = true;
+    context->has_layers = true;
     return DGB_OK;
 }
 
 /* Textures go into the slots that the plan's pack pass reads; others stay empty. */
 static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb_texture textures[DGB_SLOT_COUNT]) {
     const dgb_plan_pass* pack = &plan->passes[0];
-    int                  i;
+    int i;
     if (!plan->pass_count) return true;
-    textures[DGB_ENGINE_DEPTH0]    = layers->depth[0];
-    textures[DGB_ENGINE_DEPTH1]    = layers->depth[1];
-    textures[DGB_ENGINE_NORMAL0]   = layers->normal[0];
-    textures[DGB_ENGINE_NORMAL1]   = layers->normal[1];
+    textures[DGB_ENGINE_DEPTH0] = layers->depth[0];
+    textures[DGB_ENGINE_DEPTH1] = layers->depth[1];
+    textures[DGB_ENGINE_NORMAL0] = layers->normal[0];
+    textures[DGB_ENGINE_NORMAL1] = layers->normal[1];
     textures[DGB_ENGINE_RADIANCE0] = layers->radiance[0];
     textures[DGB_ENGINE_RADIANCE1] = layers->radiance[1];
     for (i = 0; i < pack->input_count; ++i)
@@ -1998,9 +2022,9 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
 
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers) {
     dgb_log_item item = DGB_LOG_NONE;
-    dgb_texture  textures[DGB_SLOT_COUNT];
-    float        projection[16];
-    dgb_camera   camera;
+    dgb_texture textures[DGB_SLOT_COUNT];
+    float projection[16];
+    dgb_camera camera;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!view || !layers) item = DGB_LOG_NULL_ARGUMENT;
     if (item == DGB_LOG_NONE && context->desc.source != DGB_SOURCE_ENGINE) item = DGB_LOG_WRONG_SOURCE;
@@ -2008,15 +2032,15 @@ DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, co
     memcpy(textures, context->textures, sizeof textures);
     if (item == DGB_LOG_NONE && !dgbi_take_layers(&context->plan, layers, textures)) item = DGB_LOG_INPUT;
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
-    dgb_widen_projection(view->projection, context->desc.width, context->desc.height, context->desc.guard_band, view->jitter,
-                         projection);
+    dgb_widen_projection(view->projection, context->desc.width, context->desc.height, context->desc.guard_band,
+                         view->jitter, projection);
     if (dgb_camera_from_matrix(projection, context->plan.width, context->plan.height, context->desc.clip,
                                context->desc.reversed, &camera))
         return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
     memcpy(context->textures, textures, sizeof textures);
     memcpy(context->drawn.view, view->view, sizeof context->drawn.view);
     memcpy(context->drawn.projection, projection, sizeof projection);
-    context->camera     = camera;
+    context->camera = camera;
     context->has_layers = true;
     return DGB_OK;
 }
@@ -2029,11 +2053,13 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
     u->camera = c->camera;
     for (column = 0; column < 3; ++column)
         for (row = 0; row < 3; ++row)
-            u->rotation[column][row] = c->desc.world_normals ? c->drawn.view[column * 4 + row] : column == row ? 1.0f : 0.0f;
+            u->rotation[column][row] = c->desc.world_normals ? c->drawn.view[column * 4 + row]
+                                       : column == row       ? 1.0f
+                                                             : 0.0f;
     u->separation[0] = q->strict_separation ? q->separation : -1.0f;
     u->separation[1] = dgbi_depth_codes(c->desc.depth_format);
-    u->size[0]       = c->plan.width;
-    u->size[1]       = c->plan.height;
+    u->size[0] = c->plan.width;
+    u->size[1] = c->plan.height;
 }
 
 static void dgbi_fill_taps(int count, float taps[DGB_MAX_TAPS][4]) {
@@ -2067,9 +2093,9 @@ static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_u
     u->radius[1] = 1.0f / (q->ao_radius * q->ao_radius);
     u->radius[2] = q->ao_bias * q->ao_radius;
     u->radius[3] = (q->ao_epsilon > 1e-12f ? q->ao_epsilon : 1e-12f) * (q->ao_radius * q->ao_radius); /* never 0 / 0 */
-    u->scale[0]  = (float)(DGBI_PI / q->ao_samples);
-    u->scale[1]  = q->ao_intensity;
-    u->scale[2]  = dgbi_max_reach(c);
+    u->scale[0] = (float)(DGBI_PI / q->ao_samples);
+    u->scale[1] = q->ao_intensity;
+    u->scale[2] = dgbi_max_reach(c);
     dgbi_fill_taps(q->ao_samples, u->taps);
 }
 
@@ -2089,29 +2115,30 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
 static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
     const int inset = c->desc.guard_band - (int)((float)c->desc.guard_band * q->guard_fraction + 0.5f);
     rect[0] = rect[1] = inset;
-    rect[2]           = c->plan.width - 2 * inset;
-    rect[3]           = c->plan.height - 2 * inset;
+    rect[2] = c->plan.width - 2 * inset;
+    rect[3] = c->plan.height - 2 * inset;
 }
 
 /* Gaussian whose standard deviation is half the radius. The sum does not matter: the shader divides by it. */
 static void dgbi_filter_weights(int radius, float weights[][4]) {
     const double sigma = radius > 0 ? 0.5 * radius : 1.0;
-    int          i;
+    int i;
     for (i = 0; i <= radius; ++i) weights[i][0] = (float)exp(-0.5 * i * i / (sigma * sigma));
 }
 
-static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q, int axis, dgb_reconstruct_uniforms* u) {
+static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q, int axis,
+                                      dgb_reconstruct_uniforms* u) {
     int rect[4];
     memset(u, 0, sizeof *u);
     dgbi_shaded_rect(c, q, rect);
-    u->camera       = c->camera;
-    u->rect[0]      = rect[0];
-    u->rect[1]      = rect[1];
-    u->rect[2]      = rect[0] + rect[2] - 1;
-    u->rect[3]      = rect[1] + rect[3] - 1;
-    u->axis[0]      = axis == 0 ? q->filter_step : 0;
-    u->axis[1]      = axis == 1 ? q->filter_step : 0;
-    u->axis[2]      = q->filter_taps / 2;
+    u->camera = c->camera;
+    u->rect[0] = rect[0];
+    u->rect[1] = rect[1];
+    u->rect[2] = rect[0] + rect[2] - 1;
+    u->rect[3] = rect[1] + rect[3] - 1;
+    u->axis[0] = axis == 0 ? q->filter_step : 0;
+    u->axis[1] = axis == 1 ? q->filter_step : 0;
+    u->axis[2] = q->filter_taps / 2;
     u->sharpness[0] = q->normal_sharpness;
     u->sharpness[1] = q->plane_sharpness;
     dgbi_filter_weights(q->filter_taps / 2, u->weights);
@@ -2119,9 +2146,9 @@ static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q,
 
 static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
     union {
-        dgb_pack_uniforms        pack;
-        dgb_ao_uniforms          ao;
-        dgb_gather_uniforms      gather;
+        dgb_pack_uniforms pack;
+        dgb_ao_uniforms ao;
+        dgb_gather_uniforms gather;
         dgb_reconstruct_uniforms reconstruct;
     } u;
     size_t size = 0;
@@ -2129,7 +2156,9 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_PACK: dgbi_pack_uniforms(c, q, &u.pack), size = sizeof u.pack; break;
     case DGB_PASS_AO: dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao; break;
     case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
-    case DGB_PASS_RECONSTRUCT: dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct; break;
+    case DGB_PASS_RECONSTRUCT:
+        dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct;
+        break;
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:
@@ -2143,8 +2172,8 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     const int level = pass->id == DGB_PASS_MIP ? pass->level : 0;
     if (pass->id == DGB_PASS_PACK || pass->id == DGB_PASS_MIP) {
         rect[0] = rect[1] = 0;
-        rect[2]           = c->plan.width >> level;
-        rect[3]           = c->plan.height >> level;
+        rect[2] = c->plan.width >> level;
+        rect[3] = c->plan.height >> level;
     } else {
         dgbi_shaded_rect(c, q, rect);
     }
@@ -2152,13 +2181,13 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
 
 static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
     const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
-    int       rect[4];
-    dgb_pass  pass;
+    int rect[4];
+    dgb_pass pass;
     memset(&pass, 0, sizeof pass);
     dgbi_fullscreen_rect(c, plan_pass, q, rect);
-    pass.x      = rect[0];
-    pass.y      = rect[1];
-    pass.width  = (float)rect[2];
+    pass.x = rect[0];
+    pass.y = rect[1];
+    pass.width = (float)rect[2];
     pass.height = (float)rect[3];
     dgbi_begin_pass(c, plan_pass, &pass, 0);
     dgbi_bind_inputs(c, plan_pass);
@@ -2169,7 +2198,7 @@ static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_
 
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     dgb_log_item item = DGB_LOG_NONE;
-    int          i;
+    int i;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!params) item = DGB_LOG_NULL_ARGUMENT;
     if (item == DGB_LOG_NONE && !context->has_layers) item = DGB_LOG_NO_LAYERS;

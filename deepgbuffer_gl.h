@@ -67,15 +67,15 @@ typedef void* (*dgbgl_get_proc_fn)(const char* name);
 /* Compiler and linker messages with the pass they belong to; what the driver lacks. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
-typedef struct dgbgl_desc { /* 0 means default */
-    dgbgl_get_proc_fn get_proc;        /* required */
-    int               oracle_unit;     /* default 15 */
-    int               uniform_binding; /* default 23 */
-    bool              keep_state;      /* do not save and restore the engine's state */
-    bool              no_timers;       /* do not measure passes */
-    bool              no_single_pass;  /* pretend that neither geometry nor vertex emission works */
-    dgbgl_message_fn  message;         /* may be null */
-    void*             message_user;
+typedef struct dgbgl_desc {     /* 0 means default */
+    dgbgl_get_proc_fn get_proc; /* required */
+    int oracle_unit;            /* default 15 */
+    int uniform_binding;        /* default 23 */
+    bool keep_state;            /* do not save and restore the engine's state */
+    bool no_timers;             /* do not measure passes */
+    bool no_single_pass;        /* pretend that neither geometry nor vertex emission works */
+    dgbgl_message_fn message;   /* may be null */
+    void* message_user;
 } dgbgl_desc;
 
 typedef enum dgbgl_stage { DGBGL_VERTEX = 0, DGBGL_GEOMETRY, DGBGL_FRAGMENT } dgbgl_stage;
@@ -87,99 +87,99 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
 } dgbgl_varying;
 
 /* Entry points. X(return type, name, arguments): required first, then those that may be missing. */
-#define DGBGL_FUNCTIONS(X)                                                                                              \
-    X(const unsigned char*, GetString, (unsigned int))                                                                  \
-    X(const unsigned char*, GetStringi, (unsigned int, unsigned int))                                                   \
-    X(unsigned int, GetError, (void))                                                                                   \
-    X(void, GetIntegerv, (unsigned int, int*))                                                                          \
-    X(void, GetInteger64i_v, (unsigned int, unsigned int, int64_t*))                                                    \
-    X(void, GetIntegeri_v, (unsigned int, unsigned int, int*))                                                          \
-    X(void, GetFloatv, (unsigned int, float*))                                                                          \
-    X(void, Enable, (unsigned int))                                                                                     \
-    X(void, Disable, (unsigned int))                                                                                    \
-    X(unsigned char, IsEnabled, (unsigned int))                                                                         \
-    X(void, Viewport, (int, int, int, int))                                                                             \
-    X(void, ColorMask, (unsigned char, unsigned char, unsigned char, unsigned char))                                    \
-    X(void, DepthMask, (unsigned char))                                                                                 \
-    X(void, DepthFunc, (unsigned int))                                                                                  \
-    X(void, PixelStorei, (unsigned int, int))                                                                           \
-    X(void, GenTextures, (int, unsigned int*))                                                                          \
-    X(void, DeleteTextures, (int, const unsigned int*))                                                                 \
-    X(void, BindTexture, (unsigned int, unsigned int))                                                                  \
-    X(void, ActiveTexture, (unsigned int))                                                                              \
-    X(void, TexParameteri, (unsigned int, unsigned int, int))                                                           \
-    X(void, TexImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))               \
-    X(void, TexImage3D, (unsigned int, int, int, int, int, int, int, unsigned int, unsigned int, const void*))          \
-    X(void, TexSubImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))            \
-    X(void, GenSamplers, (int, unsigned int*))                                                                          \
-    X(void, DeleteSamplers, (int, const unsigned int*))                                                                 \
-    X(void, BindSampler, (unsigned int, unsigned int))                                                                  \
-    X(void, SamplerParameteri, (unsigned int, unsigned int, int))                                                       \
-    X(void, GenFramebuffers, (int, unsigned int*))                                                                      \
-    X(void, DeleteFramebuffers, (int, const unsigned int*))                                                             \
-    X(void, BindFramebuffer, (unsigned int, unsigned int))                                                              \
-    X(void, FramebufferTexture2D, (unsigned int, unsigned int, unsigned int, unsigned int, int))                        \
-    X(void, FramebufferTextureLayer, (unsigned int, unsigned int, unsigned int, int, int))                              \
-    X(unsigned int, CheckFramebufferStatus, (unsigned int))                                                             \
-    X(void, DrawBuffers, (int, const unsigned int*))                                                                    \
-    X(void, ClearBufferfv, (unsigned int, int, const float*))                                                           \
-    X(void, GenVertexArrays, (int, unsigned int*))                                                                      \
-    X(void, DeleteVertexArrays, (int, const unsigned int*))                                                             \
-    X(void, BindVertexArray, (unsigned int))                                                                            \
-    X(void, DrawArrays, (unsigned int, int, int))                                                                       \
-    X(void, GenBuffers, (int, unsigned int*))                                                                           \
-    X(void, DeleteBuffers, (int, const unsigned int*))                                                                  \
-    X(void, BindBuffer, (unsigned int, unsigned int))                                                                   \
-    X(void, BindBufferBase, (unsigned int, unsigned int, unsigned int))                                                 \
-    X(void, BindBufferRange, (unsigned int, unsigned int, unsigned int, ptrdiff_t, ptrdiff_t))                          \
-    X(void, BufferData, (unsigned int, ptrdiff_t, const void*, unsigned int))                                           \
-    X(unsigned int, CreateShader, (unsigned int))                                                                       \
-    X(void, DeleteShader, (unsigned int))                                                                               \
-    X(void, ShaderSource, (unsigned int, int, const char* const*, const int*))                                          \
-    X(void, CompileShader, (unsigned int))                                                                              \
-    X(void, GetShaderiv, (unsigned int, unsigned int, int*))                                                            \
-    X(void, GetShaderInfoLog, (unsigned int, int, int*, char*))                                                         \
-    X(unsigned int, CreateProgram, (void))                                                                              \
-    X(void, DeleteProgram, (unsigned int))                                                                              \
-    X(void, AttachShader, (unsigned int, unsigned int))                                                                 \
-    X(void, LinkProgram, (unsigned int))                                                                                \
-    X(void, GetProgramiv, (unsigned int, unsigned int, int*))                                                           \
-    X(void, GetProgramInfoLog, (unsigned int, int, int*, char*))                                                        \
-    X(void, UseProgram, (unsigned int))                                                                                 \
-    X(unsigned char, IsProgram, (unsigned int))                                                                         \
-    X(int, GetUniformLocation, (unsigned int, const char*))                                                             \
-    X(void, Uniform1i, (int, int))                                                                                      \
-    X(unsigned int, GetUniformBlockIndex, (unsigned int, const char*))                                                  \
+#define DGBGL_FUNCTIONS(X)                                                                                     \
+    X(const unsigned char*, GetString, (unsigned int))                                                         \
+    X(const unsigned char*, GetStringi, (unsigned int, unsigned int))                                          \
+    X(unsigned int, GetError, (void))                                                                          \
+    X(void, GetIntegerv, (unsigned int, int*))                                                                 \
+    X(void, GetInteger64i_v, (unsigned int, unsigned int, int64_t*))                                           \
+    X(void, GetIntegeri_v, (unsigned int, unsigned int, int*))                                                 \
+    X(void, GetFloatv, (unsigned int, float*))                                                                 \
+    X(void, Enable, (unsigned int))                                                                            \
+    X(void, Disable, (unsigned int))                                                                           \
+    X(unsigned char, IsEnabled, (unsigned int))                                                                \
+    X(void, Viewport, (int, int, int, int))                                                                    \
+    X(void, ColorMask, (unsigned char, unsigned char, unsigned char, unsigned char))                           \
+    X(void, DepthMask, (unsigned char))                                                                        \
+    X(void, DepthFunc, (unsigned int))                                                                         \
+    X(void, PixelStorei, (unsigned int, int))                                                                  \
+    X(void, GenTextures, (int, unsigned int*))                                                                 \
+    X(void, DeleteTextures, (int, const unsigned int*))                                                        \
+    X(void, BindTexture, (unsigned int, unsigned int))                                                         \
+    X(void, ActiveTexture, (unsigned int))                                                                     \
+    X(void, TexParameteri, (unsigned int, unsigned int, int))                                                  \
+    X(void, TexImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))      \
+    X(void, TexImage3D, (unsigned int, int, int, int, int, int, int, unsigned int, unsigned int, const void*)) \
+    X(void, TexSubImage2D, (unsigned int, int, int, int, int, int, unsigned int, unsigned int, const void*))   \
+    X(void, GenSamplers, (int, unsigned int*))                                                                 \
+    X(void, DeleteSamplers, (int, const unsigned int*))                                                        \
+    X(void, BindSampler, (unsigned int, unsigned int))                                                         \
+    X(void, SamplerParameteri, (unsigned int, unsigned int, int))                                              \
+    X(void, GenFramebuffers, (int, unsigned int*))                                                             \
+    X(void, DeleteFramebuffers, (int, const unsigned int*))                                                    \
+    X(void, BindFramebuffer, (unsigned int, unsigned int))                                                     \
+    X(void, FramebufferTexture2D, (unsigned int, unsigned int, unsigned int, unsigned int, int))               \
+    X(void, FramebufferTextureLayer, (unsigned int, unsigned int, unsigned int, int, int))                     \
+    X(unsigned int, CheckFramebufferStatus, (unsigned int))                                                    \
+    X(void, DrawBuffers, (int, const unsigned int*))                                                           \
+    X(void, ClearBufferfv, (unsigned int, int, const float*))                                                  \
+    X(void, GenVertexArrays, (int, unsigned int*))                                                             \
+    X(void, DeleteVertexArrays, (int, const unsigned int*))                                                    \
+    X(void, BindVertexArray, (unsigned int))                                                                   \
+    X(void, DrawArrays, (unsigned int, int, int))                                                              \
+    X(void, GenBuffers, (int, unsigned int*))                                                                  \
+    X(void, DeleteBuffers, (int, const unsigned int*))                                                         \
+    X(void, BindBuffer, (unsigned int, unsigned int))                                                          \
+    X(void, BindBufferBase, (unsigned int, unsigned int, unsigned int))                                        \
+    X(void, BindBufferRange, (unsigned int, unsigned int, unsigned int, ptrdiff_t, ptrdiff_t))                 \
+    X(void, BufferData, (unsigned int, ptrdiff_t, const void*, unsigned int))                                  \
+    X(unsigned int, CreateShader, (unsigned int))                                                              \
+    X(void, DeleteShader, (unsigned int))                                                                      \
+    X(void, ShaderSource, (unsigned int, int, const char* const*, const int*))                                 \
+    X(void, CompileShader, (unsigned int))                                                                     \
+    X(void, GetShaderiv, (unsigned int, unsigned int, int*))                                                   \
+    X(void, GetShaderInfoLog, (unsigned int, int, int*, char*))                                                \
+    X(unsigned int, CreateProgram, (void))                                                                     \
+    X(void, DeleteProgram, (unsigned int))                                                                     \
+    X(void, AttachShader, (unsigned int, unsigned int))                                                        \
+    X(void, LinkProgram, (unsigned int))                                                                       \
+    X(void, GetProgramiv, (unsigned int, unsigned int, int*))                                                  \
+    X(void, GetProgramInfoLog, (unsigned int, int, int*, char*))                                               \
+    X(void, UseProgram, (unsigned int))                                                                        \
+    X(unsigned char, IsProgram, (unsigned int))                                                                \
+    X(int, GetUniformLocation, (unsigned int, const char*))                                                    \
+    X(void, Uniform1i, (int, int))                                                                             \
+    X(unsigned int, GetUniformBlockIndex, (unsigned int, const char*))                                         \
     X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))
 
-#define DGBGL_OPTIONAL_FUNCTIONS(X)                                                                                     \
-    X(unsigned char, IsEnabledi, (unsigned int, unsigned int))                                                          \
-    X(void, Enablei, (unsigned int, unsigned int))                                                                      \
-    X(void, Disablei, (unsigned int, unsigned int))                                                                     \
-    X(void, GetBooleani_v, (unsigned int, unsigned int, unsigned char*))                                                \
-    X(void, ColorMaski, (unsigned int, unsigned char, unsigned char, unsigned char, unsigned char))                     \
-    X(void, PolygonMode, (unsigned int, unsigned int))                                                                  \
-    X(void, DepthRangef, (float, float))                                                                                \
-    X(void, DepthRange, (double, double))                                                                               \
-    X(void, GetFloati_v, (unsigned int, unsigned int, float*))                                                          \
-    X(void, GetDoublei_v, (unsigned int, unsigned int, double*))                                                        \
-    X(void, ViewportIndexedf, (unsigned int, float, float, float, float))                                               \
-    X(void, DepthRangeIndexed, (unsigned int, double, double))                                                          \
-    X(void, ClipControl, (unsigned int, unsigned int))                                                                  \
-    X(void, TextureBarrier, (void))                                                                                     \
-    X(void, MemoryBarrier, (unsigned int))                                                                              \
-    X(void, BindImageTexture, (unsigned int, unsigned int, int, unsigned char, int, unsigned int, unsigned int))        \
-    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                                                                     \
-    X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                        \
-    X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                                  \
-    X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                             \
-    X(void, ObjectLabel, (unsigned int, unsigned int, int, const char*))                                                \
-    X(void, PushDebugGroup, (unsigned int, unsigned int, int, const char*))                                             \
-    X(void, PopDebugGroup, (void))                                                                                      \
-    X(void, GenQueries, (int, unsigned int*))                                                                           \
-    X(void, DeleteQueries, (int, const unsigned int*))                                                                  \
-    X(void, QueryCounter, (unsigned int, unsigned int))                                                                 \
-    X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                       \
+#define DGBGL_OPTIONAL_FUNCTIONS(X)                                                                              \
+    X(unsigned char, IsEnabledi, (unsigned int, unsigned int))                                                   \
+    X(void, Enablei, (unsigned int, unsigned int))                                                               \
+    X(void, Disablei, (unsigned int, unsigned int))                                                              \
+    X(void, GetBooleani_v, (unsigned int, unsigned int, unsigned char*))                                         \
+    X(void, ColorMaski, (unsigned int, unsigned char, unsigned char, unsigned char, unsigned char))              \
+    X(void, PolygonMode, (unsigned int, unsigned int))                                                           \
+    X(void, DepthRangef, (float, float))                                                                         \
+    X(void, DepthRange, (double, double))                                                                        \
+    X(void, GetFloati_v, (unsigned int, unsigned int, float*))                                                   \
+    X(void, GetDoublei_v, (unsigned int, unsigned int, double*))                                                 \
+    X(void, ViewportIndexedf, (unsigned int, float, float, float, float))                                        \
+    X(void, DepthRangeIndexed, (unsigned int, double, double))                                                   \
+    X(void, ClipControl, (unsigned int, unsigned int))                                                           \
+    X(void, TextureBarrier, (void))                                                                              \
+    X(void, MemoryBarrier, (unsigned int))                                                                       \
+    X(void, BindImageTexture, (unsigned int, unsigned int, int, unsigned char, int, unsigned int, unsigned int)) \
+    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                            \
+    X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                 \
+    X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                           \
+    X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                      \
+    X(void, ObjectLabel, (unsigned int, unsigned int, int, const char*))                                         \
+    X(void, PushDebugGroup, (unsigned int, unsigned int, int, const char*))                                      \
+    X(void, PopDebugGroup, (void))                                                                               \
+    X(void, GenQueries, (int, unsigned int*))                                                                    \
+    X(void, DeleteQueries, (int, const unsigned int*))                                                           \
+    X(void, QueryCounter, (unsigned int, unsigned int))                                                          \
+    X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                \
     X(void, GetQueryObjectui64v, (unsigned int, unsigned int, uint64_t*))
 
 #if defined(_WIN32) && !defined(_WIN64)
@@ -196,46 +196,46 @@ typedef struct dgbgl_functions {
 } dgbgl_functions;
 
 typedef struct dgbgl_state { /* the engine's, while a dgb_* call runs */
-    int           draw_framebuffer, read_framebuffer;
-    float         viewports[DGBGL_MAX_VIEWPORTS][4];
-    double        depth_ranges[DGBGL_MAX_VIEWPORTS][2];
+    int draw_framebuffer, read_framebuffer;
+    float viewports[DGBGL_MAX_VIEWPORTS][4];
+    double depth_ranges[DGBGL_MAX_VIEWPORTS][2];
     unsigned char scissor[DGBGL_MAX_VIEWPORTS];
     unsigned char blend[DGBGL_MAX_DRAW_BUFFERS], color_mask[DGBGL_MAX_DRAW_BUFFERS][4];
     unsigned char toggles[DGBGL_TOGGLE_COUNT];
-    int           depth_mask, depth_func, polygon_mode[2], clip_origin, clip_depth;
-    int           program, vertex_array, uniform_buffer, uniform_binding;
-    int64_t       uniform_start, uniform_size;
-    int           active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
-    int           samplers[DGBGL_MAX_UNITS + 1];
-    int           unpack_buffer, unpack[6];
-    int           images[DGBGL_MAX_IMAGES][6]; /* name, level, layered, layer, access, format */
+    int depth_mask, depth_func, polygon_mode[2], clip_origin, clip_depth;
+    int program, vertex_array, uniform_buffer, uniform_binding;
+    int64_t uniform_start, uniform_size;
+    int active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
+    int samplers[DGBGL_MAX_UNITS + 1];
+    int unpack_buffer, unpack[6];
+    int images[DGBGL_MAX_IMAGES][6]; /* name, level, layered, layer, access, format */
 } dgbgl_state;
 
 typedef struct dgbgl_backend { /* yours to place; its members are the library's, but for the three that say "read" */
-    dgb_backend     backend;   /* read: hand its address to dgb_desc.backend */
-    int             version;   /* read: 330 for OpenGL 3.3 */
-    bool            es;        /* read: OpenGL ES */
+    dgb_backend backend;       /* read: hand its address to dgb_desc.backend */
+    int version;               /* read: 330 for OpenGL 3.3 */
+    bool es;                   /* read: OpenGL ES */
     dgbgl_functions gl;
-    dgbgl_desc      desc;
-    bool            indexed_viewports, indexed_buffers, images;
-    bool            interlock; /* image emission is ordered by the extension, not by a rasteriser known to be in order */
-    const char*     layer_extension; /* that lets a vertex shader write gl_Layer, or null */
-    unsigned int    vertex_array, uniform_buffer, sampler;
+    dgbgl_desc desc;
+    bool indexed_viewports, indexed_buffers, images;
+    bool interlock; /* image emission is ordered by the extension, not by a rasteriser known to be in order */
+    const char* layer_extension; /* that lets a vertex shader write gl_Layer, or null */
+    unsigned int vertex_array, uniform_buffer, sampler;
     struct {
         unsigned int name;
-        int          count;
-        dgb_target   targets[DGB_MAX_TARGETS + 1];
+        int count;
+        dgb_target targets[DGB_MAX_TARGETS + 1];
     } framebuffers[DGBGL_MAX_FRAMEBUFFERS];
-    int         next_framebuffer;
-    dgb_pass    pass;                      /* that is running */
-    dgb_texture narrowed[DGB_MAX_INPUTS];  /* textures whose level range it restricted */
-    int         narrowed_count;
+    int next_framebuffer;
+    dgb_pass pass;                        /* that is running */
+    dgb_texture narrowed[DGB_MAX_INPUTS]; /* textures whose level range it restricted */
+    int narrowed_count;
     struct {
         unsigned int queries[2][2]; /* two frames: begin, end */
-        bool         pending[2];
-        bool         running;
-        int          frame;
-        double       milliseconds; /* < 0: none yet */
+        bool pending[2];
+        bool running;
+        int frame;
+        double milliseconds; /* < 0: none yet */
     } timers[DGB_PASS_COUNT];
     dgbgl_state state;
 } dgbgl_backend;
@@ -254,8 +254,8 @@ DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
 /* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
    `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context.
    `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
-DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings, int count,
-                                   char* text, size_t capacity);
+DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
+                                   int count, char* text, size_t capacity);
 /* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity);
@@ -1184,39 +1184,38 @@ enum {
 /* One row a format: internal format, format and type of an upload. */
 static const struct {
     unsigned int internal, format, type;
-} dgbgli_formats[DGB_FORMAT_COUNT] = {
-    {0, 0, 0},
-    {DGBGLI_R8, DGBGLI_RED, DGBGLI_UNSIGNED_BYTE},
-    {DGBGLI_RG8, DGBGLI_RG, DGBGLI_UNSIGNED_BYTE},
-    {DGBGLI_RGBA8, DGBGLI_RGBA, DGBGLI_UNSIGNED_BYTE},
-    {DGBGLI_R11F_G11F_B10F, DGBGLI_RGB, DGBGLI_FLOAT},
-    {DGBGLI_RG16F, DGBGLI_RG, DGBGLI_FLOAT},
-    {DGBGLI_RGBA16F, DGBGLI_RGBA, DGBGLI_FLOAT},
-    {DGBGLI_R32F, DGBGLI_RED, DGBGLI_FLOAT},
-    {DGBGLI_RG32F, DGBGLI_RG, DGBGLI_FLOAT},
-    {DGBGLI_R32UI, DGBGLI_RED_INTEGER, DGBGLI_UNSIGNED_INT},
-    {DGBGLI_DEPTH_COMPONENT16, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
-    {DGBGLI_DEPTH_COMPONENT24, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
-    {DGBGLI_DEPTH_COMPONENT32F, DGBGLI_DEPTH_COMPONENT, DGBGLI_FLOAT}};
+} dgbgli_formats[DGB_FORMAT_COUNT] = {{0, 0, 0},
+                                      {DGBGLI_R8, DGBGLI_RED, DGBGLI_UNSIGNED_BYTE},
+                                      {DGBGLI_RG8, DGBGLI_RG, DGBGLI_UNSIGNED_BYTE},
+                                      {DGBGLI_RGBA8, DGBGLI_RGBA, DGBGLI_UNSIGNED_BYTE},
+                                      {DGBGLI_R11F_G11F_B10F, DGBGLI_RGB, DGBGLI_FLOAT},
+                                      {DGBGLI_RG16F, DGBGLI_RG, DGBGLI_FLOAT},
+                                      {DGBGLI_RGBA16F, DGBGLI_RGBA, DGBGLI_FLOAT},
+                                      {DGBGLI_R32F, DGBGLI_RED, DGBGLI_FLOAT},
+                                      {DGBGLI_RG32F, DGBGLI_RG, DGBGLI_FLOAT},
+                                      {DGBGLI_R32UI, DGBGLI_RED_INTEGER, DGBGLI_UNSIGNED_INT},
+                                      {DGBGLI_DEPTH_COMPONENT16, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
+                                      {DGBGLI_DEPTH_COMPONENT24, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
+                                      {DGBGLI_DEPTH_COMPONENT32F, DGBGLI_DEPTH_COMPONENT, DGBGLI_FLOAT}};
 
 /* >> text: a bounded string that counts what it would have held */
 
 typedef struct dgbgli_text {
-    char*  out;
+    char* out;
     size_t capacity, length;
 } dgbgli_text;
 
 static dgbgli_text dgbgli_text_on(char* out, size_t capacity) {
     dgbgli_text t;
-    t.out      = out;
+    t.out = out;
     t.capacity = out ? capacity : 0;
-    t.length   = 0;
+    t.length = 0;
     if (t.capacity) out[0] = 0;
     return t;
 }
 
 static void dgbgli_put(dgbgli_text* t, const char* s) {
-    const size_t n    = strlen(s);
+    const size_t n = strlen(s);
     const size_t room = t->capacity > t->length + 1 ? t->capacity - t->length - 1 : 0;
     const size_t used = n < room ? n : room;
     if (used) memcpy(t->out + t->length, s, used);
@@ -1225,10 +1224,10 @@ static void dgbgli_put(dgbgli_text* t, const char* s) {
 }
 
 static void dgbgli_put_int(dgbgli_text* t, int value) {
-    char     digits[12];
-    int      at    = 11;
-    unsigned rest  = value < 0 ? 0u - (unsigned)value : (unsigned)value;
-    digits[at]     = 0;
+    char digits[12];
+    int at = 11;
+    unsigned rest = value < 0 ? 0u - (unsigned)value : (unsigned)value;
+    digits[at] = 0;
     do digits[--at] = (char)('0' + rest % 10u);
     while ((rest /= 10u) != 0u);
     if (value < 0) digits[--at] = '-';
@@ -1260,7 +1259,7 @@ static void dgbgli_put_precision(dgbgli_text* t, bool es) {
 }
 
 static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char* detail) {
-    char        buffer[2560];
+    char buffer[2560];
     dgbgli_text t = dgbgli_text_on(buffer, sizeof buffer);
     if (!gl->desc.message) return;
     dgbgli_put(&t, what);
@@ -1274,8 +1273,8 @@ static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char
 /* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. */
 static const struct {
     unsigned int name;
-    int          since;    /* desktop version */
-    int          since_es; /* 0: not in ES */
+    int since;    /* desktop version */
+    int since_es; /* 0: not in ES */
 } dgbgli_toggles[DGBGL_TOGGLE_COUNT] = {{DGBGLI_DEPTH_TEST, 330, 300},
                                         {DGBGLI_STENCIL_TEST, 330, 300},
                                         {DGBGLI_CULL_FACE, 330, 300},
@@ -1308,8 +1307,9 @@ static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
     return since != 0 && b->version >= since;
 }
 
-static const unsigned int dgbgli_unpack[6] = {DGBGLI_UNPACK_ROW_LENGTH, DGBGLI_UNPACK_SKIP_ROWS,   DGBGLI_UNPACK_SKIP_PIXELS,
-                                              DGBGLI_UNPACK_ALIGNMENT,  DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES};
+static const unsigned int dgbgli_unpack[6] = {DGBGLI_UNPACK_ROW_LENGTH,   DGBGLI_UNPACK_SKIP_ROWS,
+                                              DGBGLI_UNPACK_SKIP_PIXELS,  DGBGLI_UNPACK_ALIGNMENT,
+                                              DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES};
 
 static int dgbgli_get(const dgbgl_backend* b, unsigned int name) {
     int value[4] = {0, 0, 0, 0};
@@ -1344,7 +1344,7 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
             b->gl.GetFloatv(DGBGLI_DEPTH_RANGE, range);
             s->depth_ranges[0][0] = (double)range[0];
             s->depth_ranges[0][1] = (double)range[1];
-            s->scissor[0]         = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST);
+            s->scissor[0] = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST);
         }
     }
     for (i = 0; i < dgbgli_buffer_count(b); ++i) {
@@ -1365,13 +1365,14 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
     if (b->gl.PolygonMode) b->gl.GetIntegerv(DGBGLI_POLYGON_MODE, s->polygon_mode);
     if (b->gl.ClipControl) {
         s->clip_origin = dgbgli_get(b, DGBGLI_CLIP_ORIGIN);
-        s->clip_depth  = dgbgli_get(b, DGBGLI_CLIP_DEPTH_MODE);
+        s->clip_depth = dgbgli_get(b, DGBGLI_CLIP_DEPTH_MODE);
     }
 }
 
 /* Properties of an image binding, in the order of dgbgl_state.images. */
-static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */, 0x8F3C /* LAYERED */,
-                                                        0x8F3D /* LAYER */, 0x8F3E /* ACCESS */, 0x906E /* FORMAT */};
+static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */,
+                                                        0x8F3C /* LAYERED */,      0x8F3D /* LAYER */,
+                                                        0x8F3E /* ACCESS */,       0x906E /* FORMAT */};
 
 static void dgbgli_save_images(const dgbgl_backend* b, dgbgl_state* s) {
     int unit, i;
@@ -1390,21 +1391,21 @@ static void dgbgli_restore_images(const dgbgl_backend* b, const dgbgl_state* s) 
 
 static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
     const unsigned int binding = (unsigned)b->desc.uniform_binding;
-    int                i;
+    int i;
     s->draw_framebuffer = dgbgli_get(b, DGBGLI_DRAW_FRAMEBUFFER_BINDING);
     s->read_framebuffer = dgbgli_get(b, DGBGLI_READ_FRAMEBUFFER_BINDING);
-    s->program          = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
-    s->vertex_array     = dgbgli_get(b, DGBGLI_VERTEX_ARRAY_BINDING);
-    s->uniform_buffer   = dgbgli_get(b, DGBGLI_UNIFORM_BUFFER_BINDING);
+    s->program = dgbgli_get(b, DGBGLI_CURRENT_PROGRAM);
+    s->vertex_array = dgbgli_get(b, DGBGLI_VERTEX_ARRAY_BINDING);
+    s->uniform_buffer = dgbgli_get(b, DGBGLI_UNIFORM_BUFFER_BINDING);
     b->gl.GetIntegeri_v(DGBGLI_UNIFORM_BUFFER_BINDING, binding, &s->uniform_binding);
     b->gl.GetInteger64i_v(DGBGLI_UNIFORM_BUFFER_START, binding, &s->uniform_start);
     b->gl.GetInteger64i_v(DGBGLI_UNIFORM_BUFFER_SIZE, binding, &s->uniform_size);
     s->active_texture = dgbgli_get(b, DGBGLI_ACTIVE_TEXTURE);
     for (i = 0; i <= DGBGL_MAX_UNITS; ++i) {
         b->gl.ActiveTexture((unsigned)(DGBGLI_TEXTURE0 + dgbgli_saved_unit(b, i)));
-        s->textures_2d[i]    = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D);
+        s->textures_2d[i] = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D);
         s->textures_array[i] = dgbgli_get(b, DGBGLI_TEXTURE_BINDING_2D_ARRAY);
-        s->samplers[i]       = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
+        s->samplers[i] = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
     }
     dgbgli_save_images(b, s);
     s->unpack_buffer = dgbgli_get(b, DGBGLI_PIXEL_UNPACK_BUFFER_BINDING);
@@ -1467,7 +1468,7 @@ static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) 
 
 static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s) {
     const unsigned int binding = (unsigned)b->desc.uniform_binding;
-    int                i;
+    int i;
     b->gl.BindFramebuffer(DGBGLI_DRAW_FRAMEBUFFER, (unsigned)s->draw_framebuffer);
     b->gl.BindFramebuffer(DGBGLI_READ_FRAMEBUFFER, (unsigned)s->read_framebuffer);
     /* a program that was deleted while in use is gone once another was used */
@@ -1547,7 +1548,7 @@ static void dgbgli_allocate(const dgbgl_backend* b, const dgb_texture_desc* d, u
 }
 
 static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int name, const char* what) {
-    char        label[64];
+    char label[64];
     dgbgli_text t = dgbgli_text_on(label, sizeof label);
     dgbgli_put(&t, "dgb ");
     dgbgli_put(&t, what);
@@ -1558,14 +1559,13 @@ static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int
    report for ever. */
 static void dgbgli_drain_errors(const dgbgl_backend* b) {
     int i;
-    for (i = 0; i < 16 && b->gl.GetError(); ++i) {
-    }
+    for (i = 0; i < 16 && b->gl.GetError(); ++i) {}
 }
 
 static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, dgb_texture* texture) {
-    dgbgl_backend*     b      = (dgbgl_backend*)user;
+    dgbgl_backend* b = (dgbgl_backend*)user;
     const unsigned int target = d->layers ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
-    unsigned int       name = 0, error;
+    unsigned int name = 0, error;
     dgbgli_drain_errors(b);
     b->gl.GenTextures(1, &name);
     b->gl.ActiveTexture(DGBGLI_TEXTURE0);
@@ -1600,9 +1600,9 @@ static void dgbgli_drop_framebuffer(dgbgl_backend* b, int i) {
 }
 
 static void dgbgli_texture_destroy(void* user, dgb_texture texture) {
-    dgbgl_backend*     b    = (dgbgl_backend*)user;
+    dgbgl_backend* b = (dgbgl_backend*)user;
     const unsigned int name = dgbgl_texture_name(texture);
-    int                i;
+    int i;
     for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i)
         if (dgbgli_framebuffer_uses(b, i, texture)) dgbgli_drop_framebuffer(b, i);
     /* GL takes a deleted texture off its units, and so must the saved state: else it would bind a dead name */
@@ -1617,7 +1617,7 @@ static void dgbgli_texture_destroy(void* user, dgb_texture texture) {
 
 typedef struct dgbgli_chunks { /* shader text as GL takes it: pieces */
     const char* pieces[48];
-    int         count;
+    int count;
 } dgbgli_chunks;
 
 static void dgbgli_add_chunks(dgbgli_chunks* c, const char* const* chunks) {
@@ -1658,9 +1658,9 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
 
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
                                  size_t capacity) {
-    dgbgli_text   t = dgbgli_text_on(text, capacity);
+    dgbgli_text t = dgbgli_text_on(text, capacity);
     dgbgli_chunks c;
-    int           i;
+    int i;
     if (!program) return 0;
     c.count = 0;
     dgbgli_put_pass_head(&t, program, version, es);
@@ -1671,13 +1671,14 @@ DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage st
 
 /* A compiled shader, or 0 and a message. */
 static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_desc* d, dgbgl_stage stage) {
-    const unsigned int shader = b->gl.CreateShader(stage == DGBGL_VERTEX ? DGBGLI_VERTEX_SHADER : DGBGLI_FRAGMENT_SHADER);
-    char               head[1024], log[2048];
-    dgbgli_text        t = dgbgli_text_on(head, sizeof head);
-    dgbgli_chunks      c;
-    int                ok = 0;
-    c.pieces[0]          = head;
-    c.count              = 1;
+    const unsigned int shader =
+        b->gl.CreateShader(stage == DGBGL_VERTEX ? DGBGLI_VERTEX_SHADER : DGBGLI_FRAGMENT_SHADER);
+    char head[1024], log[2048];
+    dgbgli_text t = dgbgli_text_on(head, sizeof head);
+    dgbgli_chunks c;
+    int ok = 0;
+    c.pieces[0] = head;
+    c.count = 1;
     dgbgli_put_pass_head(&t, d, b->version, b->es);
     dgbgli_pass_chunks(d->pass, stage, &c);
     b->gl.ShaderSource(shader, c.count, c.pieces, NULL);
@@ -1691,10 +1692,11 @@ static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_des
     return 0;
 }
 
-static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* d, unsigned int vertex, unsigned int fragment) {
+static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* d, unsigned int vertex,
+                                unsigned int fragment) {
     const unsigned int program = b->gl.CreateProgram();
-    char               log[2048];
-    int                ok = 0;
+    char log[2048];
+    int ok = 0;
     b->gl.AttachShader(program, vertex);
     b->gl.AttachShader(program, fragment);
     b->gl.LinkProgram(program);
@@ -1735,9 +1737,9 @@ static void dgbgli_connect_samplers(const dgbgl_backend* b, unsigned int program
     int slot;
     b->gl.UseProgram(program);
     for (slot = DGB_SLOT_NONE + 1; slot < DGB_SLOT_COUNT; ++slot) {
-        char        name[48];
+        char name[48];
         dgbgli_text t = dgbgli_text_on(name, sizeof name);
-        int         location;
+        int location;
         dgbgli_put(&t, "dgb_");
         dgbgli_put(&t, dgb_slot_name((dgb_slot)slot));
         location = b->gl.GetUniformLocation(program, name);
@@ -1750,9 +1752,9 @@ static void dgbgli_connect_images(const dgbgl_backend* b, const dgb_plan* plan, 
     int i;
     b->gl.UseProgram(program);
     for (i = -1; i < plan->passes[0].output_count; ++i) {
-        char        name[48];
+        char name[48];
         dgbgli_text t = dgbgli_text_on(name, sizeof name);
-        int         location;
+        int location;
         dgbgli_put(&t, "dgb_image_");
         dgbgli_put(&t, i < 0 ? "key" : dgb_slot_name(plan->passes[0].outputs[i]));
         location = b->gl.GetUniformLocation(program, name);
@@ -1761,8 +1763,8 @@ static void dgbgli_connect_images(const dgbgl_backend* b, const dgb_plan* plan, 
 }
 
 static void dgbgli_connect_block(const dgbgl_backend* b, unsigned int program, const char* pass) {
-    char         name[48];
-    dgbgli_text  t = dgbgli_text_on(name, sizeof name);
+    char name[48];
+    dgbgli_text t = dgbgli_text_on(name, sizeof name);
     unsigned int block;
     dgbgli_put(&t, "dgb_");
     dgbgli_put(&t, pass);
@@ -1772,10 +1774,10 @@ static void dgbgli_connect_block(const dgbgl_backend* b, unsigned int program, c
 }
 
 static dgb_result dgbgli_program_create(void* user, const dgb_program_desc* d, dgb_program* program) {
-    dgbgl_backend*     b        = (dgbgl_backend*)user;
-    const unsigned int vertex   = dgbgli_compile(b, d, DGBGL_VERTEX);
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    const unsigned int vertex = dgbgli_compile(b, d, DGBGL_VERTEX);
     const unsigned int fragment = vertex ? dgbgli_compile(b, d, DGBGL_FRAGMENT) : 0;
-    const unsigned int name     = fragment ? dgbgli_link(b, d, vertex, fragment) : 0;
+    const unsigned int name = fragment ? dgbgli_link(b, d, vertex, fragment) : 0;
     if (vertex) b->gl.DeleteShader(vertex);
     if (fragment) b->gl.DeleteShader(fragment);
     if (!name) return DGB_DEVICE;
@@ -1821,7 +1823,7 @@ static bool dgbgli_same_targets(const dgb_target* a, const dgb_target* b, int co
 static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
     static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
                                                           DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
-    int                       c;
+    int c;
     b->gl.GenFramebuffers(1, &b->framebuffers[i].name);
     b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
     for (c = 0; c < pass->color_count; ++c) dgbgli_attach(b, buffers[c], &pass->colors[c]);
@@ -1835,15 +1837,15 @@ static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pas
 /* Framebuffers are made once for each combination of targets and found again by it. */
 static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
     dgb_target targets[DGB_MAX_TARGETS + 1];
-    const int  count = dgbgli_gather_targets(pass, targets);
-    int        i;
+    const int count = dgbgli_gather_targets(pass, targets);
+    int i;
     for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i)
         if (b->framebuffers[i].name && b->framebuffers[i].count == count &&
             dgbgli_same_targets(b->framebuffers[i].targets, targets, count)) {
             b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
             return;
         }
-    i                   = b->next_framebuffer;
+    i = b->next_framebuffer;
     b->next_framebuffer = (i + 1) % DGBGL_MAX_FRAMEBUFFERS;
     dgbgli_drop_framebuffer(b, i);
     dgbgli_make_framebuffer(b, i, pass);
@@ -1853,7 +1855,7 @@ static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
 
 static void dgbgli_clear(const dgbgl_backend* b, const dgb_pass* pass) {
     static const float black[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-    int                i;
+    int i;
     for (i = 0; i < pass->color_count; ++i) b->gl.ClearBufferfv(DGBGLI_COLOR, i, black);
     if (pass->depth.texture.id) b->gl.ClearBufferfv(DGBGLI_DEPTH, 0, &pass->clear_depth);
 }
@@ -1866,12 +1868,12 @@ static void dgbgli_bind_image(const dgbgl_backend* b, unsigned int unit, dgb_tex
 /* Image emission: empties the deeper layers and their keys, and binds all of them as images. */
 static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     unsigned int clear_key[4] = {0, 0, 0, 0};
-    dgb_pass     deep         = *pass, key;
-    int          i, layer;
+    dgb_pass deep = *pass, key;
+    int i, layer;
     memcpy(clear_key, &pass->clear_depth, sizeof pass->clear_depth);
     memset(&key, 0, sizeof key);
-    key.id                = pass->id;
-    key.color_count       = 1;
+    key.id = pass->id;
+    key.color_count = 1;
     key.colors[0].texture = pass->key;
     for (layer = 1; layer <= pass->key_layers; ++layer) {
         for (i = 0; i < deep.color_count; ++i) deep.colors[i].layer = layer;
@@ -1915,7 +1917,7 @@ static bool dgbgli_is_fullscreen(const dgb_pass* pass) {
 
 static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
     dgbgl_backend* b = (dgbgl_backend*)user;
-    b->pass          = *pass;
+    b->pass = *pass;
     if (!dgbgli_is_fullscreen(pass)) dgbgli_set_defaults(b); /* another layer's callback may have changed anything */
     if (pass->key.id) dgbgli_begin_images(b, pass);
     dgbgli_bind_framebuffer(b, pass);
@@ -1937,8 +1939,8 @@ static void dgbgli_level_range(const dgbgl_backend* b, dgb_texture texture, int 
 }
 
 static void dgbgli_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int level) {
-    dgbgl_backend* b    = (dgbgl_backend*)user;
-    const int      unit = dgbgli_unit(b, slot);
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    const int unit = dgbgli_unit(b, slot);
     b->gl.ActiveTexture((unsigned)(DGBGLI_TEXTURE0 + unit));
     b->gl.BindTexture(dgbgli_target(texture), dgbgl_texture_name(texture));
     b->gl.BindSampler((unsigned)unit, b->sampler);
@@ -1963,7 +1965,7 @@ static void dgbgli_draw_fullscreen(void* user, dgb_program program) {
 
 static void dgbgli_pass_end(void* user) {
     dgbgl_backend* b = (dgbgl_backend*)user;
-    int            i;
+    int i;
     for (i = 0; i < b->narrowed_count; ++i) {
         b->gl.BindTexture(dgbgli_target(b->narrowed[i]), dgbgl_texture_name(b->narrowed[i]));
         dgbgli_level_range(b, b->narrowed[i], 0, DGB_MAX_LEVELS - 1);
@@ -1977,21 +1979,22 @@ static void dgbgli_pass_end(void* user) {
 
 static void dgbgli_read_timer(dgbgl_backend* b, dgb_pass_id pass, int frame) {
     const unsigned int* queries = b->timers[pass].queries[frame];
-    int                 ready   = 0;
-    uint64_t            from = 0, to = 0;
+    int ready = 0;
+    uint64_t from = 0, to = 0;
     if (!b->timers[pass].pending[frame]) return;
     b->gl.GetQueryObjectiv(queries[1], DGBGLI_QUERY_RESULT_AVAILABLE, &ready);
     if (!ready) return;
     b->gl.GetQueryObjectui64v(queries[0], DGBGLI_QUERY_RESULT, &from);
     b->gl.GetQueryObjectui64v(queries[1], DGBGLI_QUERY_RESULT, &to);
-    b->timers[pass].milliseconds   = (double)(to - from) * 1e-6;
+    b->timers[pass].milliseconds = (double)(to - from) * 1e-6;
     b->timers[pass].pending[frame] = false;
 }
 
 static void dgbgli_marker(void* user, dgb_pass_id pass, bool begin) {
-    dgbgl_backend* b     = (dgbgl_backend*)user;
-    const int      frame = b->timers[pass].frame;
-    if (begin && b->gl.PushDebugGroup) b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, (unsigned)pass, -1, dgb_pass_name(pass));
+    dgbgl_backend* b = (dgbgl_backend*)user;
+    const int frame = b->timers[pass].frame;
+    if (begin && b->gl.PushDebugGroup)
+        b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, (unsigned)pass, -1, dgb_pass_name(pass));
     if (!begin && b->gl.PopDebugGroup) b->gl.PopDebugGroup();
     if (!b->timers[pass].queries[0][0]) return;
     if (begin) {
@@ -2001,7 +2004,7 @@ static void dgbgli_marker(void* user, dgb_pass_id pass, bool begin) {
     } else if (b->timers[pass].running) {
         b->gl.QueryCounter(b->timers[pass].queries[frame][1], DGBGLI_TIMESTAMP);
         b->timers[pass].pending[frame] = true;
-        b->timers[pass].frame          = 1 - frame;
+        b->timers[pass].frame = 1 - frame;
     }
 }
 
@@ -2017,10 +2020,10 @@ DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* 
 
 static bool dgbgli_load(dgbgl_backend* b) {
     const char* missing = NULL;
-    void*       address;
+    void* address;
     /* through memcpy: ISO C has no cast from object to function pointer */
-#define DGBGLI_LOAD(result, name, arguments)      \
-    address = b->desc.get_proc("gl" #name);       \
+#define DGBGLI_LOAD(result, name, arguments)       \
+    address = b->desc.get_proc("gl" #name);        \
     memcpy(&b->gl.name, &address, sizeof address); \
     if (!address) missing = "gl" #name;
     DGBGL_FUNCTIONS(DGBGLI_LOAD)
@@ -2035,7 +2038,7 @@ static bool dgbgli_load(dgbgl_backend* b) {
 
 static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     const int count = dgbgli_get(b, DGBGLI_NUM_EXTENSIONS);
-    int       i;
+    int i;
     for (i = 0; i < count; ++i) {
         const char* extension = (const char*)b->gl.GetStringi(DGBGLI_EXTENSIONS, (unsigned)i);
         if (extension && strcmp(extension, name) == 0) return true;
@@ -2047,24 +2050,27 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
 static void dgbgli_forget_unclaimed(dgbgl_backend* b) {
     const bool desktop = !b->es;
     if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_clip_control")))) b->gl.ClipControl = NULL;
-    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_texture_barrier")))) b->gl.TextureBarrier = NULL;
+    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_texture_barrier"))))
+        b->gl.TextureBarrier = NULL;
     if (!desktop) b->gl.PolygonMode = NULL;
     if (!(b->es || b->version >= 420 || dgbgli_has_extension(b, "GL_ARB_texture_storage"))) {
         b->gl.TexStorage2D = NULL;
         b->gl.TexStorage3D = NULL;
     }
     if (!(b->es ? b->version >= 320 : b->version >= 430 || dgbgli_has_extension(b, "GL_KHR_debug"))) {
-        b->gl.ObjectLabel    = NULL;
+        b->gl.ObjectLabel = NULL;
         b->gl.PushDebugGroup = NULL;
-        b->gl.PopDebugGroup  = NULL;
+        b->gl.PopDebugGroup = NULL;
     }
     if (!desktop || b->desc.no_timers) b->gl.QueryCounter = NULL;
     if (!(b->es ? b->version >= 320 : true)) b->gl.FramebufferTexture = NULL;
     if (!(desktop && b->version >= 410)) b->gl.DepthRangef = desktop ? NULL : b->gl.DepthRangef;
-    b->indexed_buffers = desktop && b->gl.IsEnabledi && b->gl.Enablei && b->gl.Disablei && b->gl.GetBooleani_v && b->gl.ColorMaski;
+    b->indexed_buffers =
+        desktop && b->gl.IsEnabledi && b->gl.Enablei && b->gl.Disablei && b->gl.GetBooleani_v && b->gl.ColorMaski;
     b->indexed_viewports = desktop && (b->version >= 410 || dgbgli_has_extension(b, "GL_ARB_viewport_array")) &&
                            b->gl.GetFloati_v && b->gl.GetDoublei_v && b->gl.ViewportIndexedf && b->gl.DepthRangeIndexed;
-    if (desktop && (b->version >= 410 || !b->gl.TexStorage2D) && dgbgli_has_extension(b, "GL_ARB_shader_viewport_layer_array"))
+    if (desktop && (b->version >= 410 || !b->gl.TexStorage2D) &&
+        dgbgli_has_extension(b, "GL_ARB_shader_viewport_layer_array"))
         b->layer_extension = "GL_ARB_shader_viewport_layer_array";
     else if (desktop && dgbgli_has_extension(b, "GL_AMD_vertex_shader_layer"))
         b->layer_extension = "GL_AMD_vertex_shader_layer";
@@ -2077,41 +2083,41 @@ static bool dgbgli_in_order(const dgbgl_backend* b) {
 }
 
 static void dgbgli_read_caps(dgbgl_backend* b) {
-    dgb_caps*  caps        = &b->backend.caps;
+    dgb_caps* caps = &b->backend.caps;
     const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
-    const bool geometry    = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
-    b->images    = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
+    const bool geometry = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
+    b->images = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
     b->interlock = b->images && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
-    caps->max_size                        = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
-    caps->max_layers                      = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
-    caps->clip_zero_to_one                = b->gl.ClipControl != NULL;
-    caps->deep_viewport                   = b->indexed_viewports;
+    caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
+    caps->max_layers = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
+    caps->clip_zero_to_one = b->gl.ClipControl != NULL;
+    caps->deep_viewport = b->indexed_viewports;
     caps->emission[DGB_EMISSION_SEPARATE] = true;
     caps->emission[DGB_EMISSION_GEOMETRY] = geometry;
-    caps->emission[DGB_EMISSION_VERTEX]   = single_pass && b->layer_extension;
+    caps->emission[DGB_EMISSION_VERTEX] = single_pass && b->layer_extension;
     caps->emission[DGB_EMISSION_INSTANCED_GEOMETRY] = geometry && b->version >= 410;
-    caps->emission[DGB_EMISSION_IMAGE]     = single_pass && b->images && (b->interlock || dgbgli_in_order(b));
+    caps->emission[DGB_EMISSION_IMAGE] = single_pass && b->images && (b->interlock || dgbgli_in_order(b));
     caps->emission[DGB_EMISSION_MULTICAST] = single_pass && b->version >= 430 &&
                                              dgbgli_has_extension(b, "GL_NV_viewport_array2") &&
                                              dgbgli_has_extension(b, "GL_NV_geometry_shader_passthrough");
 }
 
 static void dgbgli_fill_backend(dgbgl_backend* b) {
-    dgb_backend* d     = &b->backend;
-    d->version         = DGB_VERSION;
-    d->user            = b;
-    d->begin           = dgbgli_begin;
-    d->end             = dgbgli_end;
-    d->texture_create  = dgbgli_texture_create;
+    dgb_backend* d = &b->backend;
+    d->version = DGB_VERSION;
+    d->user = b;
+    d->begin = dgbgli_begin;
+    d->end = dgbgli_end;
+    d->texture_create = dgbgli_texture_create;
     d->texture_destroy = dgbgli_texture_destroy;
-    d->program_create  = dgbgli_program_create;
+    d->program_create = dgbgli_program_create;
     d->program_destroy = dgbgli_program_destroy;
-    d->pass_begin      = dgbgli_pass_begin;
-    d->texture_bind    = dgbgli_texture_bind;
+    d->pass_begin = dgbgli_pass_begin;
+    d->texture_bind = dgbgli_texture_bind;
     d->uniforms_upload = dgbgli_uniforms_upload;
     d->draw_fullscreen = dgbgli_draw_fullscreen;
-    d->pass_end        = dgbgli_pass_end;
-    d->marker          = dgbgli_marker;
+    d->pass_end = dgbgli_pass_end;
+    d->marker = dgbgli_marker;
 }
 
 static void dgbgli_create_sampler(dgbgl_backend* b) {
@@ -2155,7 +2161,7 @@ DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
     }
     {
         const char* version = (const char*)gl->gl.GetString(DGBGLI_VERSION);
-        gl->es      = version && strncmp(version, "OpenGL ES", 9) == 0;
+        gl->es = version && strncmp(version, "OpenGL ES", 9) == 0;
         gl->version = dgbgli_get(gl, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(gl, DGBGLI_MINOR_VERSION) * 10;
     }
     if (gl->version < (gl->es ? 300 : 330) ||
@@ -2256,10 +2262,10 @@ static bool dgbgli_renames(dgb_emission emission) {
     return emission == DGB_EMISSION_GEOMETRY || emission == DGB_EMISSION_INSTANCED_GEOMETRY;
 }
 
-DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings, int count,
-                                   char* text, size_t capacity) {
+DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
+                                   int count, char* text, size_t capacity) {
     const dgbgl_backend* b = dgbgli_of(context);
-    dgbgli_text          t = dgbgli_text_on(text, capacity);
+    dgbgli_text t = dgbgli_text_on(text, capacity);
     if (!b || (count > 0 && !varyings)) return 0;
     dgbgli_put_head(&t, context, b, stage);
     if (stage == DGBGL_VERTEX) dgbgli_put_chunks(&t, dgbgli_glsl_layers_vertex);
@@ -2331,11 +2337,13 @@ static void dgbgli_put_emission(dgbgli_text* t, const dgb_context* context, cons
     dgbgli_put(t, ") out;\n");
     dgbgli_put_declarations(t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
     dgbgli_put_declarations(t, varyings, count);
-    dgbgli_put(t, instanced ? "void main() {\n"
-                              "    int layer = dgb_draw_layer.x + gl_InvocationID;\n"
-                              "    if (gl_InvocationID < dgb_draw_layer.y) {\n"
-                            : "void main() {\n"
-                              "    for (int layer = dgb_draw_layer.x; layer < dgb_draw_layer.x + dgb_draw_layer.y; ++layer) {\n");
+    dgbgli_put(
+        t, instanced
+               ? "void main() {\n"
+                 "    int layer = dgb_draw_layer.x + gl_InvocationID;\n"
+                 "    if (gl_InvocationID < dgb_draw_layer.y) {\n"
+               : "void main() {\n"
+                 "    for (int layer = dgb_draw_layer.x; layer < dgb_draw_layer.x + dgb_draw_layer.y; ++layer) {\n");
     dgbgli_put_triangle(t, context, varyings, count);
     dgbgli_put(t, "    }\n}\n");
 }
@@ -2364,7 +2372,7 @@ static void dgbgli_put_multicast(dgbgli_text* t, const dgbgl_varying* varyings, 
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity) {
     const dgbgl_backend* b = dgbgli_of(context);
-    dgbgli_text          t = dgbgli_text_on(text, capacity);
+    dgbgli_text t = dgbgli_text_on(text, capacity);
     if (!b || (count > 0 && !varyings)) return 0;
     if (!dgbgli_renames(context->plan.emission) && context->plan.emission != DGB_EMISSION_MULTICAST) return 0;
     dgbgli_put_head(&t, context, b, DGBGL_GEOMETRY);
@@ -2377,7 +2385,7 @@ DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_var
 
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program) {
     const dgbgl_backend* b = dgbgli_of(context);
-    int                  current, linked = 0;
+    int current, linked = 0;
     if (!b || !b->gl.IsProgram(program)) return DGB_INVALID;
     b->gl.GetProgramiv(program, DGBGLI_LINK_STATUS, &linked);
     if (!linked) return DGB_INVALID;

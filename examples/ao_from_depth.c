@@ -63,8 +63,7 @@ enum { BOXES = sizeof boxes / sizeof *boxes };
 /* 3 m up, 7 m back, looking 18 degrees down; 50 degrees high; 0.1 to 100 m. */
 static const dgb_view camera = {
     .view = {1, 0, 0, 0, 0, 0.951f, 0.309f, 0, 0, -0.309f, 0.951f, 0, 0, -0.69f, -7.58f, 1},
-    .projection = {2.1445f * HEIGHT / WIDTH, 0, 0, 0, 0, 2.1445f, 0, 0, 0, 0, -1.002f, -1, 0, 0, -0.2002f,
-                   0}};
+    .projection = {2.1445f * HEIGHT / WIDTH, 0, 0, 0, 0, 2.1445f, 0, 0, 0, 0, -1.002f, -1, 0, 0, -0.2002f, 0}};
 
 static const char* const vertex_text =
     "#version 330 core\n"
@@ -94,8 +93,7 @@ static GLuint create_depth_texture(void) {
     GLuint texture;
     glGenTextures(1, &texture);
     glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-                 NULL);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT, 0, GL_DEPTH_COMPONENT, GL_FLOAT, NULL);
     return texture;
 }
 

@@ -32,8 +32,7 @@ static EGLDisplay surfaceless_display(void) {
 static EGLDisplay default_display(void) { return eglGetDisplay(EGL_DEFAULT_DISPLAY); }
 
 static EGLDisplay first_device_display(void) {
-    PFNEGLQUERYDEVICESEXTPROC query_devices =
-        (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
+    PFNEGLQUERYDEVICESEXTPROC query_devices = (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
     EGLDeviceEXT device;
     EGLint count = 0;
     if (query_devices == NULL || !query_devices(1, &device, &count) || count == 0) { return EGL_NO_DISPLAY; }
@@ -78,13 +77,10 @@ static bool give_up(headless* h, char* error, size_t error_size, const char* wha
     return false;
 }
 
-bool headless_create(headless* h, int major, int minor, bool gles, bool debug, char* error,
-                     size_t error_size) {
+bool headless_create(headless* h, int major, int minor, bool gles, bool debug, char* error, size_t error_size) {
     h->context = EGL_NO_CONTEXT;
     h->display = open_display();
-    if (h->display == EGL_NO_DISPLAY) {
-        return give_up(h, error, error_size, "no EGL display can be opened");
-    }
+    if (h->display == EGL_NO_DISPLAY) { return give_up(h, error, error_size, "no EGL display can be opened"); }
     if (!has_extension(h->display, "EGL_KHR_surfaceless_context")) {
         return give_up(h, error, error_size, "EGL_KHR_surfaceless_context is missing");
     }
@@ -95,9 +91,7 @@ bool headless_create(headless* h, int major, int minor, bool gles, bool debug, c
     if (h->context == EGL_NO_CONTEXT) {
         return give_up(h, error, error_size, "no context of this OpenGL version can be created");
     }
-    if (!headless_make_current(h)) {
-        return give_up(h, error, error_size, "the context cannot be made current");
-    }
+    if (!headless_make_current(h)) { return give_up(h, error, error_size, "the context cannot be made current"); }
     return true;
 }
 

@@ -16,8 +16,7 @@ typedef struct headless {
 
 /* Creates a context of at least the given version (core profile on desktop) and makes it current.
    On failure returns false, writes one sentence to error, and leaves nothing to destroy. */
-bool headless_create(headless* h, int major, int minor, bool gles, bool debug, char* error,
-                     size_t error_size);
+bool headless_create(headless* h, int major, int minor, bool gles, bool debug, char* error, size_t error_size);
 
 bool headless_make_current(const headless* h);
 

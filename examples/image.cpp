@@ -82,8 +82,7 @@ std::vector<Rectangle> text_rectangles(std::string text) {
                                           int(vertices.size() * sizeof(FontVertex)));
     std::vector<Rectangle> rectangles;
     for (size_t i = 0; i < size_t(quads) * 4; i += 4) {
-        rectangles.push_back(
-            {int(vertices[i].x), int(vertices[i].y), int(vertices[i + 2].x), int(vertices[i + 2].y)});
+        rectangles.push_back({int(vertices[i].x), int(vertices[i].y), int(vertices[i + 2].x), int(vertices[i + 2].y)});
     }
     return rectangles;
 }
@@ -112,13 +111,11 @@ bool write_text(const std::string& path, const std::string& text) {
     return write_file(path, std::vector<uint8_t>(text.begin(), text.end()));
 }
 
-void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale,
-                const std::string& text) {
+void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale, const std::string& text) {
     const int margin = 3, line_height = 9; // font pixels
     std::string line = printable(text);
     const int line_width = stb_easy_font_width(line.data());
-    const Rectangle box = {x, y, x + (line_width + 2 * margin) * scale,
-                           y + (line_height + 2 * margin) * scale};
+    const Rectangle box = {x, y, x + (line_width + 2 * margin) * scale, y + (line_height + 2 * margin) * scale};
     fill(rgb, width, height, box, 0, 0.65f);
     for (const Rectangle& part : text_rectangles(line)) {
         const Rectangle area = {x + (part.left + margin) * scale, y + (part.top + margin) * scale,
@@ -128,8 +125,8 @@ void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, 
 }
 
 std::vector<uint8_t> side_by_side(const std::vector<uint8_t>& left, const std::string& left_label,
-                                  const std::vector<uint8_t>& right, const std::string& right_label,
-                                  int width, int height) {
+                                  const std::vector<uint8_t>& right, const std::string& right_label, int width,
+                                  int height) {
     const size_t row_size = size_t(width) * 3;
     std::vector<uint8_t> pair;
     pair.reserve(2 * row_size * size_t(height));

@@ -19,13 +19,12 @@ bool write_text(const std::string& path, const std::string& text);
 
 // White ASCII text on a darkened box whose top left corner is at (x, y). One font pixel covers
 // scale x scale pixels. What lies outside of the picture is cut off.
-void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale,
-                const std::string& text);
+void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale, const std::string& text);
 
 // Two pictures of equal size next to one another, a label in the corner of each.
 std::vector<uint8_t> side_by_side(const std::vector<uint8_t>& left, const std::string& left_label,
-                                  const std::vector<uint8_t>& right, const std::string& right_label,
-                                  int width, int height);
+                                  const std::vector<uint8_t>& right, const std::string& right_label, int width,
+                                  int height);
 
 // The 64 bit FNV-1a hash.
 uint64_t fnv1a64(const void* data, size_t size);

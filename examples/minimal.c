@@ -20,9 +20,9 @@ static const char* const box_vertex =
     "    int b = dgb_instance(), face = gl_VertexID / 6, corner = gl_VertexID % 6;\n" /* dgb */
     "    float z = 4.4 - 2.4 * float(b % 9);\n"
     "    vec3 cloth = b % 3 == 1 ? vec3(0.02, 0.06, 0.8) : vec3(0.9, b % 3 == 0 ? 0.15 : 0.02, 0.01);\n"
-    "    vec3 low = vec3(-4.1, -0.2, -17), high = vec3(2.5, 0, 7);\n"                 /* floor */
-    "    if (b < 9) low = vec3(-3.3, 0, z - 0.1), high = vec3(-2.4, 3.4, z + 0.1);\n" /* pillars */
-    "    else if (b < 18) low = vec3(-4.1, 0, z - 2.4), high = vec3(-4, 3.4, z);\n"   /* drapes behind */
+    "    vec3 low = vec3(-4.1, -0.2, -17), high = vec3(2.5, 0, 7);\n"                         /* floor */
+    "    if (b < 9) low = vec3(-3.3, 0, z - 0.1), high = vec3(-2.4, 3.4, z + 0.1);\n"         /* pillars */
+    "    else if (b < 18) low = vec3(-4.1, 0, z - 2.4), high = vec3(-4, 3.4, z);\n"           /* drapes behind */
     "    else if (b < 21) low = vec3(-2, 0, 3 * b - 61), high = low + vec3(0.8, 0.6, 0.9);\n" /* crates */
     "    else if (b < 22) low = vec3(-4.1, 3.4, -17), high = vec3(-2.3, 3.6, 7);\n"           /* roof */
     "    vec3 p = vec3(corner % 2, (corner + 1) / 3 % 2, face % 2), n = vec3(0, 0, 2.0 * p.z - 1.0);\n"
@@ -84,8 +84,7 @@ static void draw_scene(void* user, const dgb_draw* draw) { /* dgb */
     const float* values[] = {draw->view, draw->projection, draw->previous_view, draw->previous_projection};
     const GLuint program = *(const GLuint*)user;
     glUseProgram(program);
-    for (int i = 0; i < 4; ++i)
-        glUniformMatrix4fv(glGetUniformLocation(program, names[i]), 1, GL_FALSE, values[i]);
+    for (int i = 0; i < 4; ++i) glUniformMatrix4fv(glGetUniformLocation(program, names[i]), 1, GL_FALSE, values[i]);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 36, 23 * draw->instances);
 }
 
@@ -134,8 +133,8 @@ int main(int argc, char** argv) {
     }
     for (int frame = 0; !glfwWindowShouldClose(window) && (!frames || frame < frames); ++frame) {
         view.view[12] = -0.1f - 0.5f * sinf(0.02f * (float)frame); /* slides sideways */
-        dgb_build(&dgb, &view, &params, draw_scene, &boxes); /* dgb: both layers, one pass over the scene */
-        dgb_shade(&dgb, &params);                            /* dgb: occlusion and bounced light */
+        dgb_build(&dgb, &view, &params, draw_scene, &boxes);       /* dgb: both layers, one pass over the scene */
+        dgb_shade(&dgb, &params);                                  /* dgb: occlusion and bounced light */
         glDrawArrays(GL_TRIANGLES, 0, 3);
         if (glGetError()) fail("OpenGL reports an error: is a shader wrong?");
         if (frame + 1 == frames) save(argv[2], desc.width, desc.height);

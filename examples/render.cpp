@@ -145,9 +145,7 @@ std::vector<uint8_t> to_rgb(const Floats& pixels, int width, int height, Curve c
     for (size_t y = size_t(height); y-- > 0;) {
         for (size_t x = 0; x < row; ++x) {
             const float* pixel = &pixels[(y * row + x) * channels];
-            for (size_t c = 0; c < 3; ++c) {
-                rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)])));
-            }
+            for (size_t c = 0; c < 3; ++c) { rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)]))); }
         }
     }
     return rgb;
@@ -217,10 +215,9 @@ void print_difference(const SceneRenderer& one, const SceneRenderer& two, uint32
         text += render_report::print(" ao changes by more than 0.05 in %.2f %% of the pixels", percent);
     }
     if ((effects & DGB_EFFECT_RADIOSITY) != 0) {
-        const Floats a = one.read_texture(DGB_IRRADIANCE, 0, GL_RGB),
-                     b = two.read_texture(DGB_IRRADIANCE, 0, GL_RGB);
-        const double percent = share(
-            z, [&](size_t i) { return irradiance_differs(luminance(&a[3 * i]), luminance(&b[3 * i])); });
+        const Floats a = one.read_texture(DGB_IRRADIANCE, 0, GL_RGB), b = two.read_texture(DGB_IRRADIANCE, 0, GL_RGB);
+        const double percent =
+            share(z, [&](size_t i) { return irradiance_differs(luminance(&a[3 * i]), luminance(&b[3 * i])); });
         text += text.empty() ? "" : ",";
         text += render_report::print(" irradiance by more than 10 %% in %.2f %%", percent);
     }
@@ -298,8 +295,7 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
 
 void Run::render_frame(SceneRenderer* renderer, int frame) const {
     const RenderCamera camera = orbit(camera_, float(frame) * options_.orbit);
-    renderer->render(view_matrix(camera), projection_matrix(camera, options_.aspect(), options_.clip),
-                     options_.params);
+    renderer->render(view_matrix(camera), projection_matrix(camera, options_.aspect(), options_.clip), options_.params);
 }
 
 void Run::render_frames() {
@@ -309,9 +305,7 @@ void Run::render_frames() {
     }
     render_frame(&*other_, options_.frames - 1);
     const GLenum error = glGetError();
-    if (error != GL_NO_ERROR) {
-        throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error));
-    }
+    if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
 }
 
 std::vector<uint8_t> Run::tone_mapped(const Floats& linear) const {
@@ -332,8 +326,7 @@ void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
     const auto visibility = [&] {
         const bool has_ao = (options_.effects & DGB_EFFECT_AO) != 0;
         const Floats open(size_t(width) * size_t(height), 1.0f);
-        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height,
-                      [](float x) { return x; });
+        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height, [](float x) { return x; });
     };
     std::error_code error;
     fs::create_directories(options_.out, error);

@@ -58,8 +58,7 @@ inline RenderCamera camera_of_file(const Camera& source, const Scene& scene) {
 inline void set_planes(const Scene& scene, RenderCamera* camera) {
     const glm::vec3 center = 0.5f * (scene.bounds_min + scene.bounds_max);
     const float radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
-    const float reach =
-        glm::distance(camera->eye, camera->target) + glm::distance(camera->target, center) + radius;
+    const float reach = glm::distance(camera->eye, camera->target) + glm::distance(camera->target, center) + radius;
     camera->near_plane = std::min(0.05f, 1e-3f * reach);
     camera->far_plane = 1.01f * reach;
 }
@@ -72,9 +71,7 @@ inline RenderCamera orbit(RenderCamera camera, float degrees) {
     return camera;
 }
 
-inline glm::mat4 view_matrix(const RenderCamera& camera) {
-    return glm::lookAt(camera.eye, camera.target, camera.up);
-}
+inline glm::mat4 view_matrix(const RenderCamera& camera) { return glm::lookAt(camera.eye, camera.target, camera.up); }
 
 // Reversing swaps the planes. With the far one at infinity, the third row becomes 0, 0, 0, near.
 inline glm::mat4 projection_matrix(const RenderCamera& camera, float aspect, ClipRange clip) {

@@ -264,10 +264,8 @@ inline void add_outputs(CLI::App* app, Options* o) {
            "NAME=FILE.pfm: write one picture as 32-bit floats; may be repeated")
         ->allow_extra_args(false);
     app->add_option("--json", o->json, "file for what was rendered, and how long it took");
-    app->add_flag("--plan", o->plan, "print passes, textures and bytes, and render nothing")
-        ->disable_flag_override();
-    app->add_flag("--profile", o->profile,
-                  "wait for the GPU after each pass, so that its CPU time is all its time")
+    app->add_flag("--plan", o->plan, "print passes, textures and bytes, and render nothing")->disable_flag_override();
+    app->add_flag("--profile", o->profile, "wait for the GPU after each pass, so that its CPU time is all its time")
         ->disable_flag_override();
 }
 
@@ -278,10 +276,8 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>("--size", text(parse_size), "WxH pixels (default 1280x720)");
     app->add_option("--guard", o->guard, "guard band on every side, pixels (default 64)")
         ->check(between(0, DGB_MAX_SIZE, "0 to " + std::to_string(DGB_MAX_SIZE) + " pixels"));
-    app->add_option("--layers", o->layers, "depth layers (default 2)")
-        ->check(between(1, DGB_MAX_LAYERS, "1 to 8"));
-    app->add_option("--separation", overrides->separation,
-                    "minimum separation of the layers, m (default 0.5)")
+    app->add_option("--layers", o->layers, "depth layers (default 2)")->check(between(1, DGB_MAX_LAYERS, "1 to 8"));
+    app->add_option("--separation", overrides->separation, "minimum separation of the layers, m (default 0.5)")
         ->check(between(0, 1e9, "a number of 0 or more"));
     add_choice<dgb_oracle>(
         app, "--oracle",
@@ -304,15 +300,11 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         "none, or a comma list of ao and gi (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
-        {{"performance", DGB_PRESET_PERFORMANCE},
-         {"balanced", DGB_PRESET_BALANCED},
-         {"quality", DGB_PRESET_QUALITY}},
-        [=](dgb_preset_id preset) { overrides->preset = preset; },
-        "performance, balanced (default), quality");
+        {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
+        [=](dgb_preset_id preset) { overrides->preset = preset; }, "performance, balanced (default), quality");
     app->add_option("--samples", overrides->samples, "taps of bounced light (default: the preset's)")
         ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
-    app->add_option("--radius", overrides->radius, "reach of bounced light, m (default 7.4)")
-        ->check(positive());
+    app->add_option("--radius", overrides->radius, "reach of bounced light, m (default 7.4)")->check(positive());
     app->add_option("--ao-samples", overrides->ao_samples, "taps of ambient occlusion (default 16)")
         ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
     app->add_option("--ao-radius", overrides->ao_radius, "reach of ambient occlusion, m (default 1)")
@@ -323,10 +315,9 @@ inline void add_picture(CLI::App* app, Options* o) {
     const auto text = [=](void (*parse)(const std::string&, Options*)) {
         return [=](const std::string& value) { parse(value, o); };
     };
-    app->add_option_function<std::string>(
-        "--camera", text(parse_camera),
-        "ex,ey,ez,tx,ty,tz,fov: eye, target, vertical field of view in degrees "
-        "(default: the file's first camera, else the whole scene)");
+    app->add_option_function<std::string>("--camera", text(parse_camera),
+                                          "ex,ey,ez,tx,ty,tz,fov: eye, target, vertical field of view in degrees "
+                                          "(default: the file's first camera, else the whole scene)");
     app->add_option("--ortho", o->ortho_height, "orthographic, this many metres high")->check(positive());
     app->add_option_function<std::string>("--sun", text(parse_sun),
                                           "dx,dy,dz,strength towards the sun, W/m2; or none "
@@ -337,16 +328,14 @@ inline void add_picture(CLI::App* app, Options* o) {
         ->check(between(-30, 30, "-30 to 30"));
     app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")
         ->check(between(1, 1e6, "1 to 1000000"));
-    app->add_option("--orbit", o->orbit,
-                    "degrees that the camera turns around its target a frame (default 0)")
+    app->add_option("--orbit", o->orbit, "degrees that the camera turns around its target a frame (default 0)")
         ->check(between(-360, 360, "-360 to 360 degrees"));
     add_choice<ClipRange>(
         app, "--clip",
         {{"standard", ClipRange::standard},
          {"reversed", ClipRange::reversed},
          {"reversed-infinite", ClipRange::reversed_infinite}},
-        [=](ClipRange clip) { o->clip = clip; },
-        "depth convention: standard (default), reversed, reversed-infinite");
+        [=](ClipRange clip) { o->clip = clip; }, "depth convention: standard (default), reversed, reversed-infinite");
 }
 
 inline void check_together(const Options& options) {

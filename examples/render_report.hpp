@@ -83,8 +83,8 @@ inline std::string texture_to_json(const dgb_texture_desc& texture) {
 inline std::string build_to_json(const RunReport& report) {
     const std::string vertices = report.vertices_shaded ? std::to_string(*report.vertices_shaded) : "null";
     return print(R"({"triangles": %lld, "draw_calls": %lld, "vertices_shaded": %s})",
-                 static_cast<long long>(report.build.triangles),
-                 static_cast<long long>(report.build.draw_calls), vertices.c_str());
+                 static_cast<long long>(report.build.triangles), static_cast<long long>(report.build.draw_calls),
+                 vertices.c_str());
 }
 
 } // namespace render_report
@@ -109,14 +109,12 @@ inline std::string report_to_json(const RunReport& report) {
 inline std::string plan_to_text(const dgb_plan& plan) {
     using namespace render_report;
     std::string text =
-        print("%d x %d pixels with guard band, %d layers, oracle %s, emission %s\n\npasses\n", plan.width,
-              plan.height, plan.layers, dgb_oracle_name(plan.oracle), dgb_emission_name(plan.emission));
+        print("%d x %d pixels with guard band, %d layers, oracle %s, emission %s\n\npasses\n", plan.width, plan.height,
+              plan.layers, dgb_oracle_name(plan.oracle), dgb_emission_name(plan.emission));
     for (int i = 0; i < plan.pass_count; ++i) {
         const dgb_plan_pass& pass = plan.passes[i];
         text += print("    %-12s", dgb_pass_name(pass.id));
-        for (int k = 0; k < pass.input_count; ++k) {
-            text += print(" %s", dgb_slot_name(pass.inputs[k].texture));
-        }
+        for (int k = 0; k < pass.input_count; ++k) { text += print(" %s", dgb_slot_name(pass.inputs[k].texture)); }
         text += " ->";
         if (pass.id == DGB_PASS_LAYERS) { text += print(" %s", dgb_slot_name(DGB_DEPTH)); }
         for (int k = 0; k < pass.output_count; ++k) { text += print(" %s", dgb_slot_name(pass.outputs[k])); }

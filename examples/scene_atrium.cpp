@@ -81,8 +81,7 @@ void add_ring(Mesh* mesh, vec2 inner, vec2 outer, float bottom, float top) {
     };
     for (int i = 0; i < 4; ++i) {
         const int j = i + 1;
-        add_quad(mesh, corner(outer, i, top), corner(outer, j, top), corner(inner, j, top),
-                 corner(inner, i, top));
+        add_quad(mesh, corner(outer, i, top), corner(outer, j, top), corner(inner, j, top), corner(inner, i, top));
         add_quad(mesh, corner(inner, i, bottom), corner(inner, j, bottom), corner(outer, j, bottom),
                  corner(outer, i, bottom));
         add_quad(mesh, corner(outer, i, bottom), corner(outer, j, bottom), corner(outer, j, top),
@@ -155,14 +154,12 @@ void add_column(Mesh* mesh, vec3 base) {
 
     add_box(mesh, base + vec3(0.0f, plinth / 2.0f, 0.0f), vec3(0.4f, plinth / 2.0f, 0.4f));
     base.y += plinth;
-    add_lathe(mesh, base, foot, segments, 5,
-              [](float v, float) { return 0.25f + 0.12f * std::sqrt(1.0f - v * v); });
+    add_lathe(mesh, base, foot, segments, 5, [](float v, float) { return 0.25f + 0.12f * std::sqrt(1.0f - v * v); });
     base.y += foot;
-    add_lathe(mesh, base - vec3(0.0f, overlap, 0.0f), shaft + 2.0f * overlap, segments, 4,
-              [](float v, float angle) {
-                  const float flute = std::abs(std::sin(angle * float(flutes) / 2.0f));
-                  return (0.3f - 0.04f * v * v) * (1.0f - 0.07f * flute);
-              });
+    add_lathe(mesh, base - vec3(0.0f, overlap, 0.0f), shaft + 2.0f * overlap, segments, 4, [](float v, float angle) {
+        const float flute = std::abs(std::sin(angle * float(flutes) / 2.0f));
+        return (0.3f - 0.04f * v * v) * (1.0f - 0.07f * flute);
+    });
     base.y += shaft;
     add_lathe(mesh, base, capital, segments, 5,
               [](float v, float) { return 0.2f + 0.17f * std::sqrt(v * (2.0f - v)); });
@@ -214,8 +211,7 @@ void add_arch(Mesh* mesh, const Bay& bay, float top) {
 void add_corner_pier(Mesh* mesh, vec3 foot, float top) {
     const float half_width = kArcadeThickness / 2.0f + 0.03f;
     const float half_height = (top - kColumnHeight) / 2.0f;
-    add_box(mesh, foot + vec3(0.0f, kColumnHeight + half_height, 0.0f),
-            vec3(half_width, half_height, half_width));
+    add_box(mesh, foot + vec3(0.0f, kColumnHeight + half_height, 0.0f), vec3(half_width, half_height, half_width));
 }
 
 void add_balusters(Mesh* mesh, const Bay& bay) {
@@ -236,8 +232,7 @@ void add_drape(Mesh* mesh, const Bay& bay, float bottom, float ceiling) {
         const float fullness = 0.07f + 0.08f * (1.0f - v); // the folds open towards the lower edge
         const float fold = fullness * std::sin(kTau * folds * u + 2.0f * v);
         const float gathered = half_width * (1.0f - 0.15f * v);
-        return bay.point(gathered * (2.0f * u - 1.0f), glm::mix(bottom, ceiling + kEmbed, v),
-                         fold - kDrapeDistance);
+        return bay.point(gathered * (2.0f * u - 1.0f), glm::mix(bottom, ceiling + kEmbed, v), fold - kDrapeDistance);
     });
 }
 
@@ -284,8 +279,7 @@ void add_shell(Mesh* meshes) {
     const vec2 slab_outer = wall_inner + kEmbed;
     const float rail_bottom = kGalleryHeight + 0.9f;
 
-    add_box(&meshes[kFloor], vec3(0.0f, -kSlabThickness / 2.0f, 0.0f),
-            vec3(eaves.x, kSlabThickness / 2.0f, eaves.y));
+    add_box(&meshes[kFloor], vec3(0.0f, -kSlabThickness / 2.0f, 0.0f), vec3(eaves.x, kSlabThickness / 2.0f, eaves.y));
     add_ring(&meshes[kWall], wall_inner, wall_outer, -kEmbed, kRoofHeight - kSlabThickness + kEmbed);
     add_ring(&meshes[kStone], slab_inner, slab_outer, kGalleryHeight - kSlabThickness, kGalleryHeight);
     add_ring(&meshes[kStone], slab_inner, eaves, kRoofHeight - kSlabThickness, kRoofHeight);

@@ -104,9 +104,7 @@ bool keep_encoded_image(tinygltf::Image* image, const int, std::string*, std::st
     return true;
 }
 
-bool is_binary_gltf(const Bytes& file) {
-    return file.size() >= 20 && std::memcmp(file.data(), "glTF", 4) == 0;
-}
+bool is_binary_gltf(const Bytes& file) { return file.size() >= 20 && std::memcmp(file.data(), "glTF", 4) == 0; }
 
 uint32_t load_u32(const Bytes& file, size_t offset) {
     uint32_t value = 0;
@@ -167,18 +165,17 @@ tinygltf::Model parse_file(const fs::path& path) {
     tinygltf::Model model;
     std::string error, warning;
     const auto size = static_cast<unsigned int>(file.size());
-    const bool parsed =
-        is_binary ? parser.LoadBinaryFromMemory(&model, &error, &warning, file.data(), size)
-                  : parser.LoadASCIIFromString(&model, &error, &warning,
-                                               reinterpret_cast<const char*>(file.data()), size, "");
+    const bool parsed = is_binary ? parser.LoadBinaryFromMemory(&model, &error, &warning, file.data(), size)
+                                  : parser.LoadASCIIFromString(&model, &error, &warning,
+                                                               reinterpret_cast<const char*>(file.data()), size, "");
     if (!directory.error.empty()) { fail(directory.error); }
     if (!parsed) { fail("it is not valid glTF: " + one_line(error)); }
     return model;
 }
 
 void check_required_extensions(const tinygltf::Model& model) {
-    static const std::array<std::string, 3> supported = {"KHR_materials_emissive_strength",
-                                                         "KHR_materials_unlit", "KHR_mesh_quantization"};
+    static const std::array<std::string, 3> supported = {"KHR_materials_emissive_strength", "KHR_materials_unlit",
+                                                         "KHR_mesh_quantization"};
     for (const std::string& name : model.extensionsRequired) {
         if (std::find(supported.begin(), supported.end(), name) == supported.end()) {
             fail("it requires the extension " + name + ", which is not supported");
@@ -189,9 +186,7 @@ void check_required_extensions(const tinygltf::Model& model) {
 // ---- Accessors ----------------------------------------------------------------------------------------
 
 // Written so that no sum can overflow.
-bool range_fits(uint64_t offset, uint64_t size, uint64_t total) {
-    return offset <= total && size <= total - offset;
-}
+bool range_fits(uint64_t offset, uint64_t size, uint64_t total) { return offset <= total && size <= total - offset; }
 
 struct Span {
     const unsigned char* data;
@@ -276,9 +271,7 @@ Bytes packed_elements(const tinygltf::Model& model, const tinygltf::Accessor& ac
     if (accessor.bufferView >= 0) {
         const Elements source =
             view_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count, element_size);
-        for (size_t i = 0; i < accessor.count; ++i) {
-            std::memcpy(&packed[i * element_size], source[i], element_size);
-        }
+        for (size_t i = 0; i < accessor.count; ++i) { std::memcpy(&packed[i * element_size], source[i], element_size); }
     }
     if (!accessor.sparse.isSparse) { return packed; }
     const auto& sparse = accessor.sparse;
@@ -286,11 +279,10 @@ Bytes packed_elements(const tinygltf::Model& model, const tinygltf::Accessor& ac
         fail("a sparse accessor has a negative count or offset");
     }
     const auto count = size_t(sparse.count);
-    const Elements indices =
-        view_elements(model, sparse.indices.bufferView, uint64_t(sparse.indices.byteOffset), count,
-                      component_size(sparse.indices.componentType));
-    const Elements values = view_elements(model, sparse.values.bufferView, uint64_t(sparse.values.byteOffset),
-                                          count, element_size);
+    const Elements indices = view_elements(model, sparse.indices.bufferView, uint64_t(sparse.indices.byteOffset), count,
+                                           component_size(sparse.indices.componentType));
+    const Elements values =
+        view_elements(model, sparse.values.bufferView, uint64_t(sparse.values.byteOffset), count, element_size);
     for (size_t i = 0; i < count; ++i) {
         const size_t target = load_index(indices[i], sparse.indices.componentType);
         if (target >= accessor.count) { fail("a sparse accessor replaces an element that does not exist"); }
@@ -307,9 +299,7 @@ std::vector<uint32_t> read_indices(const tinygltf::Model& model, int accessor_in
     const size_t size = component_size(accessor.componentType);
     const Bytes packed = packed_elements(model, accessor, size);
     std::vector<uint32_t> indices(accessor.count);
-    for (size_t i = 0; i < indices.size(); ++i) {
-        indices[i] = load_index(&packed[i * size], accessor.componentType);
-    }
+    for (size_t i = 0; i < indices.size(); ++i) { indices[i] = load_index(&packed[i * size], accessor.componentType); }
     return indices;
 }
 
@@ -462,13 +452,12 @@ Mesh read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& pri
         read_attribute(model, primitive, "NORMAL", 3, 3, &mesh, [](Vertex* vertex, glm::vec4 value) {
             vertex->normal = normalized_or(glm::vec3(value), vertex->normal);
         });
-    const bool has_tangents =
-        read_attribute(model, primitive, "TANGENT", 4, 4, &mesh,
-                       [](Vertex* vertex, glm::vec4 value) { vertex->tangent = value; });
+    const bool has_tangents = read_attribute(model, primitive, "TANGENT", 4, 4, &mesh,
+                                             [](Vertex* vertex, glm::vec4 value) { vertex->tangent = value; });
     if (!has_normals) { generate_flat_normals(&mesh); }
     // Tangents belong to the normals that they came with, and only a normal map needs them.
-    const bool has_normal_map = primitive.material >= 0 &&
-                                at(model.materials, primitive.material, "material").normalTexture.index >= 0;
+    const bool has_normal_map =
+        primitive.material >= 0 && at(model.materials, primitive.material, "material").normalTexture.index >= 0;
     if (has_normal_map && (!has_tangents || !has_normals)) { generate_tangents(&mesh); }
     return mesh;
 }
@@ -586,8 +575,7 @@ int read_texture_index(const tinygltf::Model& model, const Info& info) {
     if (info.index < 0) { return -1; }
     at(model.textures, info.index, "texture");
     if (info.texCoord != 0) {
-        fail("a material uses TEXCOORD_" + std::to_string(info.texCoord) +
-             ", but only TEXCOORD_0 is supported");
+        fail("a material uses TEXCOORD_" + std::to_string(info.texCoord) + ", but only TEXCOORD_0 is supported");
     }
     return info.index;
 }
@@ -708,9 +696,7 @@ private:
 
 void read_nodes(const tinygltf::Model& model, const std::vector<MeshIndices>& mesh_indices, Scene* scene) {
     NodeReader reader(model, mesh_indices, scene);
-    for (int root : at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes) {
-        reader.add(root, -1, 1);
-    }
+    for (int root : at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes) { reader.add(root, -1, 1); }
     update_world_matrices(scene);
     reader.place_cameras();
 }

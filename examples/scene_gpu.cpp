@@ -145,8 +145,7 @@ mat4 sun_clip_from_world(const Scene& scene, vec3 direction) {
 GlObject make_shadow_texture(int size) {
     GlObject texture = make_texture();
     glBindTexture(GL_TEXTURE_2D, texture.name());
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-                 nullptr);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -285,8 +284,7 @@ void GpuScene::upload_geometry(const Scene& scene) {
 void GpuScene::upload_materials(const Scene& scene) {
     const GLuint white = textures_.emplace_back(upload_pixel({255, 255, 255, 255})).name();
     const GLuint flat = textures_.emplace_back(upload_pixel({128, 128, 255, 255})).name();
-    std::map<std::pair<int, bool>, GLuint>
-        uploaded; // one image may hold colors for one material, data for another
+    std::map<std::pair<int, bool>, GLuint> uploaded; // one image may hold colors for one material, data for another
     const auto texture = [&](int index, bool srgb, GLuint missing) {
         if (index < 0 || scene.textures[size_t(index)].image < 0) { return missing; }
         const auto [found, is_new] = uploaded.try_emplace({index, srgb}, 0);
@@ -302,9 +300,9 @@ void GpuScene::upload_materials(const Scene& scene) {
         GpuMaterial& material = materials_.emplace_back();
         material.factors = {m.base_color, vec4(m.emissive, cutoff),
                             vec4(m.metallic, m.roughness, m.normal_scale, m.unlit ? 1.0f : 0.0f)};
-        material.textures = {
-            texture(m.base_color_texture, true, white), texture(m.metallic_roughness_texture, false, white),
-            texture(m.normal_texture, false, flat), texture(m.emissive_texture, true, white)};
+        material.textures = {texture(m.base_color_texture, true, white),
+                             texture(m.metallic_roughness_texture, false, white),
+                             texture(m.normal_texture, false, flat), texture(m.emissive_texture, true, white)};
         material.double_sided = m.double_sided;
     }
 }
@@ -325,8 +323,8 @@ void GpuScene::list_draws(const Scene& scene) {
             const Material& material = scene.materials[size_t(mesh.material)];
             if (material.alpha_mode == AlphaMode::blend || mesh.indices.empty()) { continue; }
             draws_.push_back({mesh.material, node.world, glm::transpose(glm::inverse(linear)),
-                              glm::determinant(linear) < 0.0f ? -1.0f : 1.0f, GLsizei(mesh.indices.size()),
-                              first_index, GLint(first_vertex)});
+                              glm::determinant(linear) < 0.0f ? -1.0f : 1.0f, GLsizei(mesh.indices.size()), first_index,
+                              GLint(first_vertex)});
         }
     }
     std::stable_sort(draws_.begin(), draws_.end(),
@@ -360,10 +358,9 @@ DrawCounts GpuScene::draw(GLuint program, int instances, Sides sides) const {
         glUniformMatrix3fv(normal_to_world, 1, GL_FALSE, glm::value_ptr(d.normal_to_world));
         glUniform1f(handedness, d.handedness);
         const size_t offset = d.first_index * sizeof(uint32_t);
-        glDrawElementsInstancedBaseVertex(
-            GL_TRIANGLES, d.index_count, GL_UNSIGNED_INT,
-            reinterpret_cast<const void*>(offset), // NOLINT(performance-no-int-to-ptr)
-            instances, d.first_vertex);
+        glDrawElementsInstancedBaseVertex(GL_TRIANGLES, d.index_count, GL_UNSIGNED_INT,
+                                          reinterpret_cast<const void*>(offset), // NOLINT(performance-no-int-to-ptr)
+                                          instances, d.first_vertex);
         ++counts.draw_calls;
         counts.triangles += int64_t(d.index_count) / 3 * instances;
     }
@@ -380,8 +377,8 @@ ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const
     const glm::mat4 rows = glm::transpose(clip);
     map.texel = 2.0f / std::min(glm::length(vec3(rows[0])), glm::length(vec3(rows[1]))) / float(size);
 
-    const GlObject program = make_program("shadow", std::string(kVersion) + kSceneAttributes + kShadowVertex,
-                                          "", std::string(kVersion) + kSceneMaterial + kShadowFragment);
+    const GlObject program = make_program("shadow", std::string(kVersion) + kSceneAttributes + kShadowVertex, "",
+                                          std::string(kVersion) + kSceneMaterial + kShadowFragment);
     const GlObject framebuffer = make_framebuffer();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     begin_shadow_pass(map.texture.name(), size);

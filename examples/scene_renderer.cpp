@@ -226,8 +226,7 @@ void PassTimes::end(const char* name) {
 }
 
 PassTime& PassTimes::pass(const char* name) {
-    const auto found =
-        std::find_if(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == name; });
+    const auto found = std::find_if(passes_.begin(), passes_.end(), [&](const PassTime& p) { return p.name == name; });
     return found != passes_.end() ? *found : passes_.emplace_back(PassTime{name, {}, {}});
 }
 
@@ -289,11 +288,10 @@ void SceneRenderer::make_programs() {
             return dgbgl_shader_prefix(context, stage, kVaryings, kVaryingCount, text, size);
         });
     };
-    const std::string geometry = text_of([&](char* text, size_t size) {
-        return dgbgl_geometry_shader(context, kVaryings, kVaryingCount, text, size);
-    });
-    material_program_ = make_program("material", prefix(DGBGL_VERTEX) + kSceneAttributes + kMaterialVertex,
-                                     geometry, prefix(DGBGL_FRAGMENT) + kSceneMaterial + kMaterialFragment);
+    const std::string geometry = text_of(
+        [&](char* text, size_t size) { return dgbgl_geometry_shader(context, kVaryings, kVaryingCount, text, size); });
+    material_program_ = make_program("material", prefix(DGBGL_VERTEX) + kSceneAttributes + kMaterialVertex, geometry,
+                                     prefix(DGBGL_FRAGMENT) + kSceneMaterial + kMaterialFragment);
     if (dgbgl_attach_program(context, material_program_.name()) != DGB_OK) {
         throw std::runtime_error("the material program lacks the library's text");
     }
@@ -311,9 +309,7 @@ void SceneRenderer::make_targets() {
         const GLuint framebuffer = light_framebuffers_.emplace_back(make_framebuffer()).name();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
         glFramebufferTextureLayer(GL_FRAMEBUFFER, buffers[0], texture(DGB_RADIANCE), 0, layer);
-        if (layer == 0) {
-            glFramebufferTexture2D(GL_FRAMEBUFFER, buffers[1], GL_TEXTURE_2D, direct_.name(), 0);
-        }
+        if (layer == 0) { glFramebufferTexture2D(GL_FRAMEBUFFER, buffers[1], GL_TEXTURE_2D, direct_.name(), 0); }
         check_framebuffer("light");
     }
 
@@ -337,9 +333,7 @@ void SceneRenderer::render(const mat4& view, const mat4& projection, const dgb_p
     dgb_view camera{};
     std::copy_n(glm::value_ptr(view), 16, camera.view);
     std::copy_n(glm::value_ptr(projection), 16, camera.projection);
-    const auto draw = [](void* user, const dgb_draw* what) {
-        static_cast<SceneRenderer*>(user)->draw_layers(*what);
-    };
+    const auto draw = [](void* user, const dgb_draw* what) { static_cast<SceneRenderer*>(user)->draw_layers(*what); };
     params_ = params;
     draw_counts_ = {};
     library_.complaint.clear();
@@ -384,8 +378,8 @@ void SceneRenderer::copy_emission() {
     glBindFramebuffer(GL_FRAMEBUFFER, light_framebuffers_[0].name());
     glReadBuffer(GL_COLOR_ATTACHMENT0);
     glDrawBuffers(2, only_direct);
-    glBlitFramebuffer(0, 0, plan().width, plan().height, 0, 0, plan().width, plan().height,
-                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, plan().width, plan().height, 0, 0, plan().width, plan().height, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
     const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
     glDrawBuffers(2, both);
 }

@@ -109,9 +109,7 @@ static void check_line(const char* path, int number, const char* line, size_t si
     while (i < size && line[i] == ' ') { i++; }
     if (i == size || line[i] != '#') { return; }
     for (i++; i < size && line[i] == ' '; i++) {}
-    if (starts_with(line + i, size - i, "version")) {
-        FAIL("%s:%d: #version belongs to the backend", path, number);
-    }
+    if (starts_with(line + i, size - i, "version")) { FAIL("%s:%d: #version belongs to the backend", path, number); }
     if (starts_with(line + i, size - i, "include")) { FAIL("%s:%d: GLSL has no #include", path, number); }
 }
 

@@ -33,16 +33,15 @@ static dgb_plan make_plan(const dgb_desc* desc) {
     dgb_plan plan;
     memset(&plan, 0, sizeof plan);
     if (dgb_make_plan(desc, &plan) != DGB_OK)
-        fail_msg("refused: %d layers, effects %u, oracle %d, emission %d", desc->layers,
-                 (unsigned)desc->effects, (int)desc->oracle, (int)desc->emission);
+        fail_msg("refused: %d layers, effects %u, oracle %d, emission %d", desc->layers, (unsigned)desc->effects,
+                 (int)desc->oracle, (int)desc->emission);
     return plan;
 }
 
 /* >> plans as text */
 
 static void print_texture(record_text* text, const dgb_texture_desc* t) {
-    record_printf(text, "texture %s %s %dx%d", dgb_slot_name(t->slot), dgb_format_name(t->format), t->width,
-                  t->height);
+    record_printf(text, "texture %s %s %dx%d", dgb_slot_name(t->slot), dgb_format_name(t->format), t->width, t->height);
     if (t->layers) record_printf(text, " layers %d", t->layers);
     record_printf(text, " levels %d, %u bytes\n", t->levels, (unsigned)t->bytes);
 }
@@ -99,8 +98,7 @@ static void print_built_section(record_text* text, int layers, uint32_t effects,
         record_printf(text, " %s=%s", dgb_emission_name(emission), dgb_emission_name(plan.emission));
         record_text_clear(&other);
         print_plan(first.data ? &other : &first, &plan);
-        if (other.size && strcmp(first.data, other.data) != 0)
-            fail_msg("emission %d changes the plan", (int)emission);
+        if (other.size && strcmp(first.data, other.data) != 0) fail_msg("emission %d changes the plan", (int)emission);
     }
     record_printf(text, "\n%s\n", first.data);
     if (oracle != DGB_ORACLE_PEEL && layers > 1) {
@@ -168,8 +166,7 @@ static void for_every_plan(plan_check check) {
                     for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
                         dgb_desc d = small_desc(layers, effects);
                         dgb_plan plan;
-                        if (source == DGB_SOURCE_ENGINE && (layers > DGB_MAX_SHADED_LAYERS || oracle))
-                            continue;
+                        if (source == DGB_SOURCE_ENGINE && (layers > DGB_MAX_SHADED_LAYERS || oracle)) continue;
                         d.source = (dgb_source)source;
                         d.oracle = (dgb_oracle)oracle;
                         d.normals = (dgb_normals)normals;
@@ -223,9 +220,7 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     assert_false(has_program(plan, DGB_PASS_LAYERS)); /* the engine's programs draw it */
 }
 
-static bool is_engine_slot(dgb_slot slot) {
-    return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1;
-}
+static bool is_engine_slot(dgb_slot slot) { return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1; }
 
 /* Whatever is read was written before, or comes from the engine; whatever is written exists and has that
    level. */
@@ -248,13 +243,13 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
                 fail_msg("pass %s writes %s", dgb_pass_name(pass->id), dgb_slot_name(pass->outputs[k]));
             written[pass->outputs[k]] = true;
         }
-        if (pass->program >= plan->program_count || (pass->program < 0) != (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_PREDICT) ||
+        if (pass->program >= plan->program_count ||
+            (pass->program < 0) != (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_PREDICT) ||
             (pass->program >= 0 && plan->programs[pass->program].pass != pass->id))
             fail_msg("pass %s has program %d", dgb_pass_name(pass->id), pass->program);
     }
     for (i = 0; i < plan->texture_count; ++i)
-        if (!written[plan->textures[i].slot])
-            fail_msg("nobody writes %s", dgb_slot_name(plan->textures[i].slot));
+        if (!written[plan->textures[i].slot]) fail_msg("nobody writes %s", dgb_slot_name(plan->textures[i].slot));
 }
 
 static void check_bytes(const dgb_desc* desc, const dgb_plan* plan) {
@@ -309,8 +304,7 @@ static void test_160_bits(void** state) {
         const dgb_texture_desc* t = find_texture(&plan, packed[i]);
         uint64_t texels = pixels;
         int level;
-        for (level = 1; level < t->levels; ++level)
-            texels += (uint64_t)(80 >> level) * (uint64_t)(64 >> level);
+        for (level = 1; level < t->levels; ++level) texels += (uint64_t)(80 >> level) * (uint64_t)(64 >> level);
         assert_int_equal(t->bytes % texels, 0);
         level0 += t->bytes / texels * pixels;
     }
@@ -491,10 +485,7 @@ static const struct {
     {"effect 4", {SIZE, .effects = 4}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"target 16", {SIZE, .targets = 16}, DGB_INVALID, DGB_LOG_TARGETS},
-    {"ao, no normal",
-     {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_RADIANCE},
-     DGB_INVALID,
-     DGB_LOG_TARGETS},
+    {"ao, no normal", {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_RADIANCE}, DGB_INVALID, DGB_LOG_TARGETS},
     {"light, no radiance",
      {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL},
      DGB_INVALID,
@@ -508,17 +499,11 @@ static const struct {
     {"oracle", {SIZE, .oracle = BAD(dgb_oracle)}, DGB_INVALID, DGB_LOG_ENUM},
     {"oracle 4", {SIZE, .oracle = DGB_ORACLE_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"emission", {SIZE, .emission = BAD(dgb_emission)}, DGB_INVALID, DGB_LOG_ENUM},
-    {"emission 4",
-     {SIZE, .emission = DGB_EMISSION_COUNT, .backend = &weak_device},
-     DGB_INVALID,
-     DGB_LOG_ENUM},
+    {"emission 4", {SIZE, .emission = DGB_EMISSION_COUNT, .backend = &weak_device}, DGB_INVALID, DGB_LOG_ENUM},
     {"clip", {SIZE, .clip = BAD(dgb_clip)}, DGB_INVALID, DGB_LOG_ENUM},
     {"clip 2", {SIZE, .clip = DGB_CLIP_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"normals", {SIZE, .normals = BAD(dgb_normals)}, DGB_INVALID, DGB_LOG_ENUM},
-    {"normals 4",
-     {SIZE, .normals = DGB_NORMALS_COUNT, .source = DGB_SOURCE_ENGINE},
-     DGB_INVALID,
-     DGB_LOG_ENUM},
+    {"normals 4", {SIZE, .normals = DGB_NORMALS_COUNT, .source = DGB_SOURCE_ENGINE}, DGB_INVALID, DGB_LOG_ENUM},
     {"senders", {SIZE, .senders = BAD(dgb_senders)}, DGB_INVALID, DGB_LOG_ENUM},
     {"senders 2", {SIZE, .senders = DGB_SENDERS_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser", {SIZE, .normaliser = BAD(dgb_normaliser)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -542,10 +527,7 @@ static const struct {
      {SIZE, .emission = DGB_EMISSION_VERTEX, .backend = &weak_device},
      DGB_UNSUPPORTED,
      DGB_LOG_EMISSION},
-    {"clip not there",
-     {SIZE, .clip = DGB_CLIP_ZERO_TO_ONE, .backend = &weak_device},
-     DGB_UNSUPPORTED,
-     DGB_LOG_CLIP},
+    {"clip not there", {SIZE, .clip = DGB_CLIP_ZERO_TO_ONE, .backend = &weak_device}, DGB_UNSUPPORTED, DGB_LOG_CLIP},
     {"engine and oracle",
      {SIZE, .source = DGB_SOURCE_ENGINE, .oracle = DGB_ORACLE_PREVIOUS},
      DGB_INVALID,
@@ -573,8 +555,7 @@ static void test_refusals(void** state) {
         d.log = on_log;
         d.log_user = &log;
         result = dgb_make_plan(&d, &plan);
-        if (result != refusals[i].result || log.result != result || log.count != 1 ||
-            log.item != refusals[i].item)
+        if (result != refusals[i].result || log.result != result || log.count != 1 || log.item != refusals[i].item)
             fail_msg("%s: %s, %d logged, %s", refusals[i].what, dgb_result_name(result), log.count,
                      dgb_log_item_name(log.item));
         if (!log.sentence || strlen(log.sentence) < 10) fail_msg("%s: no sentence", refusals[i].what);
@@ -594,8 +575,7 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .layers = 1, .backend = &one_layer},
         {SIZE, .layers = 2, .source = DGB_SOURCE_ENGINE},
         {SIZE, .layers = 2, .source = DGB_SOURCE_ENGINE, .backend = &one_layer}, /* 2D textures, no array */
-        {SIZE, .source = DGB_SOURCE_ENGINE, .clip = DGB_CLIP_ZERO_TO_ONE,
-         .backend = &weak_device}, /* no clip to set */
+        {SIZE, .source = DGB_SOURCE_ENGINE, .clip = DGB_CLIP_ZERO_TO_ONE, .backend = &weak_device}, /* no clip to set */
         {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_NORMAL},
         {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},
@@ -654,8 +634,7 @@ static void test_names(void** state) {
     assert_string_equal(dgb_emission_name(DGB_EMISSION_VERTEX), "vertex");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_COUNT), "?");
     for (i = 0; i < DGB_SLOT_COUNT; ++i)
-        for (k = 0; k < i; ++k)
-            assert_string_not_equal(dgb_slot_name((dgb_slot)i), dgb_slot_name((dgb_slot)k));
+        for (k = 0; k < i; ++k) assert_string_not_equal(dgb_slot_name((dgb_slot)i), dgb_slot_name((dgb_slot)k));
 }
 
 int main(void) {

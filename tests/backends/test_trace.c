@@ -55,9 +55,8 @@ static void on_draw(void* user, const dgb_draw* draw) {
     if (!f->r.in_pass) fail_msg("draw callback of layer %d outside of a pass", draw->first_layer);
     if (f->draw_count == MAX_DRAWS) fail_msg("more than %d draws", MAX_DRAWS);
     f->draws[f->draw_count++] = *draw;
-    record_printf(&f->r.trace, " draw scene: layers %d+%d, instances %d, oracle %s, emission %s\n",
-                  draw->first_layer, draw->layer_count, draw->instances, dgb_oracle_name(draw->oracle),
-                  dgb_emission_name(draw->emission));
+    record_printf(&f->r.trace, " draw scene: layers %d+%d, instances %d, oracle %s, emission %s\n", draw->first_layer,
+                  draw->layer_count, draw->instances, dgb_oracle_name(draw->oracle), dgb_emission_name(draw->emission));
 }
 
 /* A standard perspective projection, 90 degrees, 0.1 m to 100 m, at the origin. */
@@ -103,21 +102,17 @@ static void build(fixture* f) {
 }
 
 static void shade(fixture* f) {
-    if (dgb_shade(&f->context, &f->params) != DGB_OK)
-        fail_msg("dgb_shade: %s", dgb_log_item_name(f->log_item));
+    if (dgb_shade(&f->context, &f->params) != DGB_OK) fail_msg("dgb_shade: %s", dgb_log_item_name(f->log_item));
 }
 
 static dgb_layers engine_layers(fixture* f) {
-    const int width = f->desc.width + 2 * f->desc.guard_band,
-              height = f->desc.height + 2 * f->desc.guard_band;
+    const int width = f->desc.width + 2 * f->desc.guard_band, height = f->desc.height + 2 * f->desc.guard_band;
     dgb_layers layers;
     int i;
     memset(&layers, 0, sizeof layers);
     for (i = 0; i < 2; ++i) {
-        layers.depth[i] =
-            record_engine_texture(&f->r, i ? DGB_ENGINE_DEPTH1 : DGB_ENGINE_DEPTH0, width, height);
-        layers.normal[i] =
-            record_engine_texture(&f->r, i ? DGB_ENGINE_NORMAL1 : DGB_ENGINE_NORMAL0, width, height);
+        layers.depth[i] = record_engine_texture(&f->r, i ? DGB_ENGINE_DEPTH1 : DGB_ENGINE_DEPTH0, width, height);
+        layers.normal[i] = record_engine_texture(&f->r, i ? DGB_ENGINE_NORMAL1 : DGB_ENGINE_NORMAL0, width, height);
         layers.radiance[i] =
             record_engine_texture(&f->r, i ? DGB_ENGINE_RADIANCE1 : DGB_ENGINE_RADIANCE0, width, height);
     }
@@ -159,8 +154,7 @@ static void configure(fixture* f, construction c, int layers, uint32_t effects) 
 }
 
 /* Builds of the first and second frame; with `shading`, what dgb_shade did in both goes there. */
-static void trace_two_frames(construction c, int layers, uint32_t effects, record_text* text,
-                             record_text* shading) {
+static void trace_two_frames(construction c, int layers, uint32_t effects, record_text* text, record_text* shading) {
     fixture f;
     int frame;
     configure(&f, c, layers, effects);
@@ -287,8 +281,8 @@ static void test_building_and_shading_are_apart(void** state) {
 static void check_draw(const fixture* f, int i, int first, int count, int instances, dgb_oracle oracle) {
     const dgb_draw* d = &f->draws[i];
     if (i >= f->draw_count) fail_msg("only %d draws", f->draw_count);
-    if (d->first_layer != first || d->layer_count != count || d->instances != instances ||
-        d->oracle != oracle || d->width != 80 || d->height != 64)
+    if (d->first_layer != first || d->layer_count != count || d->instances != instances || d->oracle != oracle ||
+        d->width != 80 || d->height != 64)
         fail_msg("draw %d: layers %d+%d, instances %d, oracle %s, %dx%d", i, d->first_layer, d->layer_count,
                  d->instances, dgb_oracle_name(d->oracle), d->width, d->height);
 }
@@ -415,12 +409,10 @@ static void test_layer_uniforms(void** state) {
     f.draw_count = 0;
     build(&f);
     u = &record_uniforms_of(&f.r, DGB_PASS_LAYERS, 0)->u.draw;
-    assert_int_equal(dgb_camera_from_matrix(f.draws[0].projection, 80, 64, f.desc.clip, false, &camera),
-                     DGB_OK);
+    assert_int_equal(dgb_camera_from_matrix(f.draws[0].projection, 80, 64, f.desc.clip, false, &camera), DGB_OK);
     assert_memory_equal(&u->camera, &camera, sizeof camera);
     assert_memory_equal(&u->previous, &first, sizeof first);
-    assert_true(u->size[0] == 80.0f && u->size[1] == 64.0f && u->size[2] == 0.75f &&
-                u->size[3] == 16777215.0f);
+    assert_true(u->size[0] == 80.0f && u->size[1] == 64.0f && u->size[2] == 0.75f && u->size[3] == 16777215.0f);
     assert_int_equal(u->layer[0], 0);
     assert_int_equal(u->layer[1], 2);
     assert_int_equal(u->layer[2], DGB_ORACLE_REPROJECT);
@@ -553,14 +545,11 @@ static void test_reconstruction_uniforms(void** state) {
     build(&f);
     shade(&f);
     for (axis = 0; axis < 2; ++axis) {
-        const dgb_reconstruct_uniforms* u =
-            &record_uniforms_of(&f.r, DGB_PASS_RECONSTRUCT, axis)->u.reconstruct;
+        const dgb_reconstruct_uniforms* u = &record_uniforms_of(&f.r, DGB_PASS_RECONSTRUCT, axis)->u.reconstruct;
         assert_true(u->axis[axis] == 3 && u->axis[1 - axis] == 0 && u->axis[2] == 12);
-        assert_true(u->sharpness[0] == f.params.normal_sharpness &&
-                    u->sharpness[1] == f.params.plane_sharpness);
+        assert_true(u->sharpness[0] == f.params.normal_sharpness && u->sharpness[1] == f.params.plane_sharpness);
         assert_true(u->weights[0][0] == 1.0f);
-        for (i = 1; i <= 12; ++i)
-            assert_true(u->weights[i][0] > 0.0f && u->weights[i][0] < u->weights[i - 1][0]);
+        for (i = 1; i <= 12; ++i) assert_true(u->weights[i][0] > 0.0f && u->weights[i][0] < u->weights[i - 1][0]);
         assert_true(fabsf(u->weights[12][0] - expf(-2.0f)) < 1e-6f); /* two standard deviations out */
     }
     stop(&f);
@@ -579,13 +568,13 @@ static void check_shaded_rect(int guard, float fraction, int inset) {
     u = &record_uniforms_of(&f.r, DGB_PASS_RECONSTRUCT, 0)->u.reconstruct;
     if (u->rect[0] != inset || u->rect[1] != inset || u->rect[2] != 64 + 2 * guard - inset - 1 ||
         u->rect[3] != 48 + 2 * guard - inset - 1)
-        fail_msg("guard %d, fraction %g: %d %d %d %d", guard, (double)fraction, u->rect[0], u->rect[1],
-                 u->rect[2], u->rect[3]);
+        fail_msg("guard %d, fraction %g: %d %d %d %d", guard, (double)fraction, u->rect[0], u->rect[1], u->rect[2],
+                 u->rect[3]);
     /* the last pass to begin was the second axis of the same rectangle */
     if (f.r.pass.x != inset || f.r.pass.y != inset || f.r.pass.width != 64 + 2 * (guard - inset) ||
         f.r.pass.height != 48 + 2 * (guard - inset))
-        fail_msg("guard %d, fraction %g: viewport %d %d %d %d", guard, (double)fraction, f.r.pass.x,
-                 f.r.pass.y, f.r.pass.width, f.r.pass.height);
+        fail_msg("guard %d, fraction %g: viewport %d %d %d %d", guard, (double)fraction, f.r.pass.x, f.r.pass.y,
+                 f.r.pass.width, f.r.pass.height);
     stop(&f);
 }
 
@@ -653,8 +642,7 @@ static void test_rotations_are_uploaded(void** state) {
 /* >> failures */
 
 static void check_nothing_changed(fixture* f, const dgb_context* before) {
-    if (!same_bits(&f->context, before, sizeof *before))
-        fail_msg("the context changed at create %d", f->r.fail_at);
+    if (!same_bits(&f->context, before, sizeof *before)) fail_msg("the context changed at create %d", f->r.fail_at);
 }
 
 /* How a failing create shows: the backend's own error, or DGB_DEVICE when it claims success and gives
@@ -675,8 +663,7 @@ static void check_failed_init(dgb_source source, dgb_result failure, int creates
         f.r.fail_at = n;
         f.r.fail_with = failure;
         result = dgb_init(&f.context, &f.desc);
-        if (result != (failure == DGB_OK ? DGB_DEVICE : failure))
-            fail_msg("create %d: %s", n, dgb_result_name(result));
+        if (result != (failure == DGB_OK ? DGB_DEVICE : failure)) fail_msg("create %d: %s", n, dgb_result_name(result));
         if (record_alive(&f.r)) fail_msg("create %d fails and leaves %d objects", n, record_alive(&f.r));
         check_nothing_changed(&f, &before);
         assert_int_equal(f.r.creates, n); /* it gives up at once */
@@ -727,8 +714,7 @@ static void check_failed_resize(dgb_result failure, int n) {
     f.r.fail_at = n;
     f.r.fail_with = failure;
     result = dgb_resize(&f.context, 100, 90);
-    if (result != (failure == DGB_OK ? DGB_DEVICE : failure))
-        fail_msg("create %d: %s", n, dgb_result_name(result));
+    if (result != (failure == DGB_OK ? DGB_DEVICE : failure)) fail_msg("create %d: %s", n, dgb_result_name(result));
     if (record_alive(&f.r) != alive) fail_msg("create %d: %d objects, not %d", n, record_alive(&f.r), alive);
     check_nothing_changed(&f, &before);
     assert_int_equal(f.log_item, DGB_LOG_TEXTURE);
@@ -816,8 +802,8 @@ static void test_whatever_was_initialised_resizes(void** state) {
                     f.desc.emission = (dgb_emission)emission;
                     f.desc.effects = BOTH;
                     if (dgb_init(&f.context, &f.desc) == DGB_OK && dgb_resize(&f.context, 32, 32) != DGB_OK)
-                        fail_msg("source %d, layers %d, oracle %d, emission %d: %s", source, layers, oracle,
-                                 emission, dgb_log_item_name(f.log_item));
+                        fail_msg("source %d, layers %d, oracle %d, emission %d: %s", source, layers, oracle, emission,
+                                 dgb_log_item_name(f.log_item));
                     stop(&f);
                 }
 }
@@ -1016,18 +1002,8 @@ static const struct {
     {"min_level", set_min_level, DGB_LOG_MIP_PARAMS, false, {0, 5, 1, 2}, {-1, 6, 100, -100}},
     {"filter_taps", set_filter_taps, DGB_LOG_FILTER_PARAMS, false, {1, 25, 9, 11}, {0, 2, 27, -1}},
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
-    {"normal_sharpness",
-     set_normal_sharpness,
-     DGB_LOG_FILTER_PARAMS,
-     true,
-     {0, 1, 4, 100},
-     {-0.001f, -1, -1e30f, -1}},
-    {"plane_sharpness",
-     set_plane_sharpness,
-     DGB_LOG_FILTER_PARAMS,
-     true,
-     {0, 1, 8, 100},
-     {-0.001f, -1, -1e30f, -1}},
+    {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},
+    {"plane_sharpness", set_plane_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 8, 100}, {-0.001f, -1, -1e30f, -1}},
 };
 
 static void check_shade_refused(fixture* f, dgb_log_item item, const char* why) {
@@ -1235,8 +1211,7 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
         texture[0] = &given.depth[0], texture[1] = &given.normal[0], texture[2] = &given.radiance[0];
         texture[3] = &given.depth[1], texture[4] = &given.normal[1], texture[5] = &given.radiance[1];
         texture[missing]->id = 0;
-        check_input(&f, &given, !(needed >> missing & 1u),
-                    dgb_slot_name((dgb_slot)(DGB_ENGINE_DEPTH0 + (int)missing)));
+        check_input(&f, &given, !(needed >> missing & 1u), dgb_slot_name((dgb_slot)(DGB_ENGINE_DEPTH0 + (int)missing)));
     }
     stop(&f);
 }
@@ -1329,8 +1304,7 @@ static void test_get_texture(void** state) {
     for (slot = 0; slot < DGB_SLOT_COUNT; ++slot) {
         const dgb_texture texture = dgb_get_texture(&f.context, (dgb_slot)slot);
         bool planned = false;
-        for (i = 0; i < f.context.plan.texture_count; ++i)
-            planned |= f.context.plan.textures[i].slot == (dgb_slot)slot;
+        for (i = 0; i < f.context.plan.texture_count; ++i) planned |= f.context.plan.textures[i].slot == (dgb_slot)slot;
         if (planned != (texture.id != 0)) fail_msg("%s", dgb_slot_name((dgb_slot)slot));
         given += planned;
     }

@@ -78,8 +78,9 @@ dgb_desc layers_desc(int layers) {
 class CopyPass {
 public:
     CopyPass()
-        : program_(make_fullscreen_program("copy", "uniform sampler2D source; out vec4 color;\n"
-                                                   "void main() { color = texelFetch(source, ivec2(gl_FragCoord.xy), 0); }\n")),
+        : program_(make_fullscreen_program("copy",
+                                           "uniform sampler2D source; out vec4 color;\n"
+                                           "void main() { color = texelFetch(source, ivec2(gl_FragCoord.xy), 0); }\n")),
           vertices_(make_vertex_array()), framebuffer_(make_framebuffer()) {
         for (GlObject& texture : textures_) {
             texture = make_texture();
@@ -137,8 +138,8 @@ void print_goal(const char* what, double value, double goal) {
 }
 
 void print_table(const View& view, Taps taps, const Samples& one, const Samples& two, const Samples& copy) {
-    std::printf("\n%s, %dx%d, AO N = %d, radiosity N = %d with normal test\n", view.name.c_str(), kWidth, kHeight, taps.ao,
-                taps.gather);
+    std::printf("\n%s, %dx%d, AO N = %d, radiosity N = %d with normal test\n", view.name.c_str(), kWidth, kHeight,
+                taps.ao, taps.gather);
     std::printf("    %-12s %12s %12s %10s %12s\n", "pass", "1 layer, ms", "2 layers, ms", "2 / 1", "x copy pass");
     for (const char* pass : {"layers", "pack", "mip", "ao", "gather", "reconstruct"}) {
         std::printf("    %-12s %12.2f %12.2f %10.2f %12.1f\n", pass, median(one.at(pass)), median(two.at(pass)),

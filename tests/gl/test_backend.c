@@ -18,23 +18,23 @@ static fixture f;
 static dgb_desc small_desc(void) {
     dgb_desc d;
     memset(&d, 0, sizeof d);
-    d.width      = WIDTH;
-    d.height     = HEIGHT;
+    d.width = WIDTH;
+    d.height = HEIGHT;
     d.guard_band = 8;
-    d.effects    = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
-    d.backend    = &f.gl.backend;
-    d.log        = fixture_log;
+    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
     return d;
 }
 
 /* One frame of everything. */
 static void run_frame(dgb_context* c, GLuint program) {
-    const fixture_view v    = fixture_default_view();
-    const dgb_view     view = fixture_dgb_view(&v, c->desc.width, c->desc.height);
-    const dgb_params   q    = dgb_preset(DGB_PRESET_BALANCED);
-    fixture_draw_user  user;
+    const fixture_view v = fixture_default_view();
+    const dgb_view view = fixture_dgb_view(&v, c->desc.width, c->desc.height);
+    const dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_draw_user user;
     memset(&user, 0, sizeof user);
-    user.f       = &f;
+    user.f = &f;
     user.program = program;
     assert_int_equal(dgb_build(c, &view, &q, fixture_draw, &user), DGB_OK);
     assert_int_equal(dgb_shade(c, &q), DGB_OK);
@@ -47,12 +47,13 @@ static float* read_irradiance(const dgb_context* c) {
 /* >> state: every value that the backend promises to keep, set to something odd and compared */
 
 typedef struct snapshot {
-    char   text[16384];
+    char text[16384];
     size_t length;
 } snapshot;
 
 static void note(snapshot* s, const char* what, int index, double value) {
-    s->length += (size_t)snprintf(s->text + s->length, sizeof s->text - s->length, "%s[%d] = %.9g\n", what, index, value);
+    s->length +=
+        (size_t)snprintf(s->text + s->length, sizeof s->text - s->length, "%s[%d] = %.9g\n", what, index, value);
     assert_true(s->length < sizeof s->text);
 }
 
@@ -64,16 +65,17 @@ static void note_integer(snapshot* s, GLenum name, const char* label) {
 }
 #define NOTE(name) note_integer(&s, name, #name)
 
-static const GLenum capabilities[] = {
-    GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DITHER, GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE,
-    GL_SAMPLE_COVERAGE, GL_RASTERIZER_DISCARD, GL_PRIMITIVE_RESTART_FIXED_INDEX, GL_SAMPLE_MASK, GL_COLOR_LOGIC_OP,
-    GL_MULTISAMPLE, GL_DEPTH_CLAMP, GL_PRIMITIVE_RESTART, GL_FRAMEBUFFER_SRGB, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE0 + 3,
-    GL_CLIP_DISTANCE0 + 7};
+static const GLenum capabilities[] = {GL_DEPTH_TEST,      GL_STENCIL_TEST,        GL_CULL_FACE,
+                                      GL_DITHER,          GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                      GL_SAMPLE_COVERAGE, GL_RASTERIZER_DISCARD,  GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                                      GL_SAMPLE_MASK,     GL_COLOR_LOGIC_OP,      GL_MULTISAMPLE,
+                                      GL_DEPTH_CLAMP,     GL_PRIMITIVE_RESTART,   GL_FRAMEBUFFER_SRGB,
+                                      GL_CLIP_DISTANCE0,  GL_CLIP_DISTANCE0 + 3,  GL_CLIP_DISTANCE0 + 7};
 
 static void note_indexed(snapshot* s) {
     int i;
     for (i = 0; i < 16; ++i) {
-        GLfloat  viewport[4];
+        GLfloat viewport[4];
         GLdouble range[2];
         glGetFloati_v(GL_VIEWPORT, (GLuint)i, viewport);
         glGetDoublei_v(GL_DEPTH_RANGE, (GLuint)i, range);
@@ -95,7 +97,7 @@ static void note_indexed(snapshot* s) {
 
 static void note_units(snapshot* s) {
     GLint active;
-    int   unit;
+    int unit;
     glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
     note(s, "active_texture", 0, active);
     for (unit = 0; unit < 16; ++unit) {
@@ -113,9 +115,9 @@ static void note_units(snapshot* s) {
 
 static snapshot take_snapshot(void) {
     static snapshot s;
-    GLint           buffer;
-    GLint64         start, size;
-    size_t          i;
+    GLint buffer;
+    GLint64 start, size;
+    size_t i;
     memset(&s, 0, sizeof s);
     NOTE(GL_DRAW_FRAMEBUFFER_BINDING);
     NOTE(GL_READ_FRAMEBUFFER_BINDING);
@@ -174,7 +176,7 @@ static void make_hostile_objects(hostile* h) {
 
 static void set_hostile_state(const hostile* h) {
     size_t i;
-    int    unit;
+    int unit;
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, h->framebuffers[0]);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, h->framebuffers[1]);
     for (i = 0; i < sizeof capabilities / sizeof capabilities[0]; ++i)
@@ -221,7 +223,7 @@ static void set_hostile_state(const hostile* h) {
 
 static void expect_same(const snapshot* before, const char* after_what) {
     const snapshot after = take_snapshot();
-    const char *   a = before->text, *b = after.text;
+    const char *a = before->text, *b = after.text;
     while (*a && *a == *b) ++a, ++b;
     if (*a == *b) return;
     while (a > before->text && a[-1] != '\n') --a, --b;
@@ -229,14 +231,14 @@ static void expect_same(const snapshot* before, const char* after_what) {
 }
 
 static void test_state_is_restored(void** state) {
-    const fixture_view v    = fixture_default_view();
-    dgb_view           view = fixture_dgb_view(&v, WIDTH, HEIGHT);
-    dgb_params         q    = dgb_preset(DGB_PRESET_BALANCED);
-    dgb_desc           d    = small_desc();
-    dgb_context        c;
-    hostile            h;
-    snapshot           before;
-    fixture_draw_user  user;
+    const fixture_view v = fixture_default_view();
+    dgb_view view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_desc d = small_desc();
+    dgb_context c;
+    hostile h;
+    snapshot before;
+    fixture_draw_user user;
     (void)state;
     /* a context of its own: the hostile state ends with it */
     fixture_close(&f);
@@ -247,7 +249,7 @@ static void test_state_is_restored(void** state) {
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     expect_same(&before, "dgb_init");
     memset(&user, 0, sizeof user);
-    user.f       = &f;
+    user.f = &f;
     user.program = fixture_program(&c);
     expect_same(&before, "dgbgl_attach_program");
     assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
@@ -266,11 +268,11 @@ static void test_state_is_restored(void** state) {
 
 /* What was on before must not leak into the result either. */
 static void test_hostile_state_changes_nothing(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context c;
-    hostile     h;
-    GLuint      program;
-    float *     clean, *dirty;
+    hostile h;
+    GLuint program;
+    float *clean, *dirty;
     (void)state;
     fixture_close(&f);
     assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
@@ -293,10 +295,10 @@ static void test_hostile_state_changes_nothing(void** state) {
 }
 
 static void test_deleted_program(void** state) {
-    dgb_desc    d       = small_desc();
-    GLuint      program = glCreateProgram(), own;
+    dgb_desc d = small_desc();
+    GLuint program = glCreateProgram(), own;
     dgb_context c;
-    GLint       current;
+    GLint current;
     (void)state;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     own = fixture_program(&c);
@@ -313,9 +315,9 @@ static void test_deleted_program(void** state) {
 
 /* An engine may still have a texture of the library bound when it goes. */
 static void test_bound_texture_goes(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context c;
-    GLint       bound;
+    GLint bound;
     (void)state;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     glActiveTexture(GL_TEXTURE2);
@@ -333,7 +335,7 @@ enum { NAMES = 4096 };
 
 static int count_objects(void) {
     GLuint name;
-    int    count = 0;
+    int count = 0;
     for (name = 1; name < NAMES; ++name)
         count += glIsTexture(name) + glIsBuffer(name) + glIsFramebuffer(name) + glIsProgram(name) + glIsShader(name) +
                  glIsSampler(name) + glIsVertexArray(name) + glIsQuery(name);
@@ -341,18 +343,18 @@ static int count_objects(void) {
 }
 
 static void test_no_objects_left(void** state) {
-    dgb_desc      d;
-    dgb_context   c;
+    dgb_desc d;
+    dgb_context c;
     dgbgl_backend gl;
-    dgbgl_desc    gd;
-    GLuint        program;
-    int           before;
+    dgbgl_desc gd;
+    GLuint program;
+    int before;
     (void)state;
     memset(&gd, 0, sizeof gd);
     gd.get_proc = headless_get_proc;
-    before      = count_objects();
+    before = count_objects();
     assert_int_equal(dgbgl_init(&gl, &gd), DGB_OK);
-    d         = small_desc();
+    d = small_desc();
     d.backend = &gl.backend;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     assert_true(count_objects() > before + 20); /* or the count sees nothing */
@@ -368,10 +370,10 @@ static void test_no_objects_left(void** state) {
 }
 
 static void test_resize_equals_fresh(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context resized, fresh;
-    GLuint      program;
-    float *     a, *b;
+    GLuint program;
+    float *a, *b;
     (void)state;
     assert_int_equal(dgb_init(&resized, &d), DGB_OK);
     program = fixture_program(&resized);
@@ -379,7 +381,7 @@ static void test_resize_equals_fresh(void** state) {
     run_frame(&resized, program);
     assert_int_equal(dgb_resize(&resized, 131, 77), DGB_OK);
     run_frame(&resized, program);
-    d.width  = 131;
+    d.width = 131;
     d.height = 77;
     assert_int_equal(dgb_init(&fresh, &d), DGB_OK);
     run_frame(&fresh, program);
@@ -394,17 +396,17 @@ static void test_resize_equals_fresh(void** state) {
 }
 
 static void test_two_contexts(void** state) {
-    dgb_desc    d = small_desc(), e = small_desc();
+    dgb_desc d = small_desc(), e = small_desc();
     dgb_context one, two;
-    GLuint      program_one, program_two;
-    float *     alone, *together;
+    GLuint program_one, program_two;
+    float *alone, *together;
     (void)state;
     assert_int_equal(dgb_init(&one, &d), DGB_OK);
     program_one = fixture_program(&one);
     run_frame(&one, program_one);
     run_frame(&one, program_one);
-    alone    = read_irradiance(&one);
-    e.width  = 40;
+    alone = read_irradiance(&one);
+    e.width = 40;
     e.layers = 1;
     assert_int_equal(dgb_init(&two, &e), DGB_OK);
     program_two = fixture_program(&two);
@@ -433,26 +435,26 @@ static dgb_texture layer_view(const dgb_context* c, dgb_slot slot, int layer, GL
 
 /* Layers that the library built, handed back as an engine's own, shade to the same bits. */
 static void test_own_layers(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context built, own;
-    dgb_layers  layers;
-    dgb_params  q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_layers layers;
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
     fixture_view v = fixture_default_view();
-    dgb_view    view = fixture_dgb_view(&v, WIDTH, HEIGHT);
-    GLuint      program;
-    float *     a, *b;
-    int         layer;
+    dgb_view view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    GLuint program;
+    float *a, *b;
+    int layer;
     (void)state;
     assert_int_equal(dgb_init(&built, &d), DGB_OK);
     program = fixture_program(&built);
     run_frame(&built, program);
     memset(&layers, 0, sizeof layers);
     for (layer = 0; layer < 2; ++layer) {
-        layers.depth[layer]    = layer_view(&built, DGB_DEPTH, layer, GL_DEPTH_COMPONENT32F);
-        layers.normal[layer]   = layer_view(&built, DGB_NORMAL, layer, GL_RGBA8);
+        layers.depth[layer] = layer_view(&built, DGB_DEPTH, layer, GL_DEPTH_COMPONENT32F);
+        layers.normal[layer] = layer_view(&built, DGB_NORMAL, layer, GL_RGBA8);
         layers.radiance[layer] = layer_view(&built, DGB_RADIANCE, layer, GL_R11F_G11F_B10F);
     }
-    d.source  = DGB_SOURCE_ENGINE;
+    d.source = DGB_SOURCE_ENGINE;
     d.normals = DGB_NORMALS_OCT16;
     assert_int_equal(dgb_init(&own, &d), DGB_OK);
     assert_int_equal(dgb_set_layers(&own, &view, &layers), DGB_OK);
@@ -474,32 +476,32 @@ static void test_own_layers(void** state) {
 
 /* Depth alone: the derived normals agree with the true ones away from edges. */
 static void test_depth_only(void** state) {
-    dgb_desc     d = small_desc();
-    dgb_context  built, own;
-    dgb_layers   layers;
-    dgb_params   q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_desc d = small_desc();
+    dgb_context built, own;
+    dgb_layers layers;
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
     fixture_view v = fixture_default_view();
-    dgb_view     view = fixture_dgb_view(&v, WIDTH, HEIGHT);
-    GLuint       program, name;
-    float *      truth, *derived;
-    int          i, close = 0, surface = 0;
+    dgb_view view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    GLuint program, name;
+    float *truth, *derived;
+    int i, close = 0, surface = 0;
     (void)state;
     d.effects = DGB_EFFECT_AO;
-    d.layers  = 1;
+    d.layers = 1;
     d.width = 3 * WIDTH, d.height = 3 * HEIGHT;
     assert_int_equal(dgb_init(&built, &d), DGB_OK);
     program = fixture_program(&built);
     run_frame(&built, program);
     memset(&layers, 0, sizeof layers);
     layers.depth[0] = layer_view(&built, DGB_DEPTH, 0, GL_DEPTH_COMPONENT32F);
-    d.source        = DGB_SOURCE_ENGINE;
+    d.source = DGB_SOURCE_ENGINE;
     assert_int_equal(dgb_init(&own, &d), DGB_OK);
     assert_int_equal(dgb_set_layers(&own, &view, &layers), DGB_OK);
     assert_int_equal(dgb_shade(&own, &q), DGB_OK);
-    truth   = fixture_read(dgb_get_texture(&built, DGB_NORMALS), 0, 0, built.plan.width, built.plan.height, 0, GL_RG, 2);
+    truth = fixture_read(dgb_get_texture(&built, DGB_NORMALS), 0, 0, built.plan.width, built.plan.height, 0, GL_RG, 2);
     derived = fixture_read(dgb_get_texture(&own, DGB_NORMALS), 0, 0, own.plan.width, own.plan.height, 0, GL_RG, 2);
     for (i = 0; i < own.plan.width * own.plan.height; ++i) {
-        float    a[3], b[3];
+        float a[3], b[3];
         unsigned ax = (unsigned)(truth[2 * i] * 255.0f + 0.5f), ay = (unsigned)(truth[2 * i + 1] * 255.0f + 0.5f);
         unsigned bx = (unsigned)(derived[2 * i] * 255.0f + 0.5f), by = (unsigned)(derived[2 * i + 1] * 255.0f + 0.5f);
         if (ax + ay == 0) continue; /* sky */
@@ -521,13 +523,11 @@ static void test_depth_only(void** state) {
 
 /* >> init, timers, floors */
 
-static void* no_proc(const char* name) {
-    return strcmp(name, "glDrawBuffers") == 0 ? NULL : headless_get_proc(name);
-}
+static void* no_proc(const char* name) { return strcmp(name, "glDrawBuffers") == 0 ? NULL : headless_get_proc(name); }
 
 static void test_bad_init(void** state) {
     dgbgl_backend gl;
-    dgbgl_desc    gd;
+    dgbgl_desc gd;
     (void)state;
     memset(&gd, 0, sizeof gd);
     assert_int_equal(dgbgl_init(NULL, &gd), DGB_INVALID);
@@ -540,10 +540,10 @@ static void test_bad_init(void** state) {
 }
 
 static void test_out_of_memory(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context c;
-    GLuint      program;
-    int         before;
+    GLuint program;
+    int before;
     (void)state;
     d.layers = 8;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
@@ -559,11 +559,11 @@ static void test_out_of_memory(void** state) {
 }
 
 static void test_timers(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context c;
-    GLuint      program;
-    double      ms = -1.0;
-    int         frame, pass;
+    GLuint program;
+    double ms = -1.0;
+    int frame, pass;
     (void)state;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     program = fixture_program(&c);
@@ -583,11 +583,11 @@ static void test_timers(void** state) {
 }
 
 static void test_prefix_lengths(void** state) {
-    dgb_desc    d = small_desc();
+    dgb_desc d = small_desc();
     dgb_context c;
-    char        small[8], whole[1 << 16];
-    size_t      length;
-    GLuint      unlinked;
+    char small[8], whole[1 << 16];
+    size_t length;
+    GLuint unlinked;
     (void)state;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     length = dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, NULL, 0);
@@ -610,13 +610,14 @@ static void test_gl33(void** state) {
     int pretend;
     (void)state;
     fixture_close(&f);
-    setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1); /* a driver that gives more than was asked for would hide what is missing */
+    setenv("MESA_GL_VERSION_OVERRIDE", "3.3",
+           1); /* a driver that gives more than was asked for would hide what is missing */
     setenv("MESA_GLSL_VERSION_OVERRIDE", "330", 1);
     for (pretend = 0; pretend < 2; ++pretend) {
-        dgbgl_desc  gd;
-        dgb_desc    d;
+        dgbgl_desc gd;
+        dgb_desc d;
         dgb_context c;
-        GLuint      program;
+        GLuint program;
         memset(&gd, 0, sizeof gd);
         gd.no_single_pass = pretend == 1;
         assert_int_equal(fixture_open(&f, 3, 3, false, &gd), 0);
@@ -655,14 +656,21 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_objects_left),   cmocka_unit_test(test_resize_equals_fresh),
-        cmocka_unit_test(test_two_contexts),      cmocka_unit_test(test_own_layers),
-        cmocka_unit_test(test_depth_only),        cmocka_unit_test(test_bad_init),
-        cmocka_unit_test(test_timers),            cmocka_unit_test(test_prefix_lengths),
-        cmocka_unit_test(test_deleted_program),   cmocka_unit_test(test_bound_texture_goes),
+        cmocka_unit_test(test_no_objects_left),
+        cmocka_unit_test(test_resize_equals_fresh),
+        cmocka_unit_test(test_two_contexts),
+        cmocka_unit_test(test_own_layers),
+        cmocka_unit_test(test_depth_only),
+        cmocka_unit_test(test_bad_init),
+        cmocka_unit_test(test_timers),
+        cmocka_unit_test(test_prefix_lengths),
+        cmocka_unit_test(test_deleted_program),
+        cmocka_unit_test(test_bound_texture_goes),
         cmocka_unit_test(test_no_messages),
-        cmocka_unit_test(test_out_of_memory),     cmocka_unit_test(test_state_is_restored),
-        cmocka_unit_test(test_hostile_state_changes_nothing), cmocka_unit_test(test_gl33),
+        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_state_is_restored),
+        cmocka_unit_test(test_hostile_state_changes_nothing),
+        cmocka_unit_test(test_gl33),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

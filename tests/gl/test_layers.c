@@ -15,33 +15,38 @@ enum { WIDTH = 200, HEIGHT = 120, GUARD = 16 };
 static fixture f;
 
 typedef struct built { /* everything one build wrote */
-    int    width, height, layers, divisor;
-    float* z[DGB_MAX_LAYERS];        /* camera z, 0 where empty */
+    int width, height, layers, divisor;
+    float* z[DGB_MAX_LAYERS];          /* camera z, 0 where empty */
     float* targets[DGB_MAX_LAYERS][4]; /* albedo, normal, radiance, velocity */
 } built;
 
 static const struct {
     dgb_slot slot;
-    GLenum   format;
-    int      channels;
-} target_slots[4] = {{DGB_ALBEDO, GL_RGBA, 4}, {DGB_NORMAL, GL_RGBA, 4}, {DGB_RADIANCE, GL_RGB, 3}, {DGB_VELOCITY, GL_RG, 2}};
+    GLenum format;
+    int channels;
+} target_slots[4] = {
+    {DGB_ALBEDO, GL_RGBA, 4}, {DGB_NORMAL, GL_RGBA, 4}, {DGB_RADIANCE, GL_RGB, 3}, {DGB_VELOCITY, GL_RG, 2}};
 
 static built read_layers(const dgb_context* c) {
     built b;
-    const float codes = c->desc.depth_format == DGB_FORMAT_D16 ? 65535.0f : c->desc.depth_format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
-    int         layer, target, i;
+    const float codes = c->desc.depth_format == DGB_FORMAT_D16   ? 65535.0f
+                        : c->desc.depth_format == DGB_FORMAT_D24 ? 16777215.0f
+                                                                 : 0.0f;
+    int layer, target, i;
     memset(&b, 0, sizeof b);
-    b.width  = c->plan.width;
+    b.width = c->plan.width;
     b.height = c->plan.height;
     b.layers = c->plan.layers;
     b.divisor = c->desc.divisor;
     for (layer = 0; layer < b.layers; ++layer) {
         b.z[layer] =
             fixture_read(dgb_get_texture(c, DGB_DEPTH), 0, layer, b.width, b.height, b.layers, GL_DEPTH_COMPONENT, 1);
-        for (i = 0; i < b.width * b.height; ++i) b.z[layer][i] = dgb_linear_z(dgb_depth_code(b.z[layer][i], codes), &c->camera);
+        for (i = 0; i < b.width * b.height; ++i)
+            b.z[layer][i] = dgb_linear_z(dgb_depth_code(b.z[layer][i], codes), &c->camera);
         for (target = 0; target < 4; ++target)
-            b.targets[layer][target] = fixture_read(dgb_get_texture(c, target_slots[target].slot), 0, layer, b.width, b.height,
-                                                    b.layers, target_slots[target].format, target_slots[target].channels);
+            b.targets[layer][target] =
+                fixture_read(dgb_get_texture(c, target_slots[target].slot), 0, layer, b.width, b.height, b.layers,
+                             target_slots[target].format, target_slots[target].channels);
     }
     return b;
 }
@@ -90,43 +95,43 @@ static void count_violations(const built* b, float separation, int* violations, 
 }
 
 typedef struct setup {
-    dgb_oracle   oracle;
+    dgb_oracle oracle;
     dgb_emission emission;
-    int          layers;
-    dgb_format   depth_format;
-    bool         moving; /* camera and box move from frame to frame */
-    bool         knows_next; /* the next view is told, not guessed */
-    int          divisor;
-    float        separation;
+    int layers;
+    dgb_format depth_format;
+    bool moving;     /* camera and box move from frame to frame */
+    bool knows_next; /* the next view is told, not guessed */
+    int divisor;
+    float separation;
     fixture_view view;
 } setup;
 
 static setup default_setup(dgb_oracle oracle, dgb_emission emission) {
     setup s;
     memset(&s, 0, sizeof s);
-    s.oracle     = oracle;
-    s.emission   = emission;
-    s.layers     = 2;
+    s.oracle = oracle;
+    s.emission = emission;
+    s.layers = 2;
     s.separation = 0.5f;
-    s.view       = fixture_default_view();
+    s.view = fixture_default_view();
     return s;
 }
 
 static dgb_desc desc_of(const setup* s) {
     dgb_desc d;
     memset(&d, 0, sizeof d);
-    d.width        = WIDTH;
-    d.height       = HEIGHT;
-    d.guard_band   = GUARD;
-    d.layers       = s->layers;
-    d.divisor      = s->divisor;
-    d.oracle       = s->oracle;
-    d.emission     = s->emission;
+    d.width = WIDTH;
+    d.height = HEIGHT;
+    d.guard_band = GUARD;
+    d.layers = s->layers;
+    d.divisor = s->divisor;
+    d.oracle = s->oracle;
+    d.emission = s->emission;
     d.depth_format = s->depth_format;
-    d.clip         = s->view.clip;
-    d.reversed     = s->view.reversed;
-    d.backend      = &f.gl.backend;
-    d.log          = fixture_log;
+    d.clip = s->view.clip;
+    d.reversed = s->view.reversed;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
     return d;
 }
 
@@ -141,8 +146,8 @@ static fixture_view camera_at(const setup* s, int frame) {
 
 static dgb_view view_at(const setup* s, int frame) {
     const fixture_view now = camera_at(s, frame), next = camera_at(s, frame + 1);
-    dgb_view           view = fixture_dgb_view(&now, WIDTH, HEIGHT);
-    int                i;
+    dgb_view view = fixture_dgb_view(&now, WIDTH, HEIGHT);
+    int i;
     for (i = 0; i < 4; ++i) f.offsets[i] = s->moving ? 0.1f * (float)(frame + i - 2) : 0.0f;
     view.has_next = s->knows_next;
     if (s->knows_next) memcpy(view.next_view, fixture_dgb_view(&next, WIDTH, HEIGHT).view, sizeof view.next_view);
@@ -151,14 +156,14 @@ static dgb_view view_at(const setup* s, int frame) {
 
 /* The layers after `frames` frames. */
 static built build_frames(const setup* s, int frames) {
-    dgb_context       c;
-    dgb_desc          d = desc_of(s);
-    dgb_params        q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_context c;
+    dgb_desc d = desc_of(s);
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
     fixture_draw_user user;
-    built             b;
-    int               frame;
+    built b;
+    int frame;
     memset(&user, 0, sizeof user);
-    user.f       = &f;
+    user.f = &f;
     q.separation = s->separation;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     user.program = fixture_program(&c);
@@ -174,12 +179,12 @@ static built build_frames(const setup* s, int frames) {
 }
 
 static void check_against_peel(setup s, int frames) {
-    setup peel     = s;
-    built a        = build_frames(&s, frames), b;
-    int   violations, filled;
-    peel.oracle   = DGB_ORACLE_PEEL;
+    setup peel = s;
+    built a = build_frames(&s, frames), b;
+    int violations, filled;
+    peel.oracle = DGB_ORACLE_PEEL;
     peel.emission = DGB_EMISSION_AUTO;
-    b             = build_frames(&peel, frames);
+    b = build_frames(&peel, frames);
     count_violations(&b, s.separation, &violations, &filled);
     if (s.layers > 1) /* or the comparison means nothing */
         assert_true(filled > WIDTH * HEIGHT / 10 / (s.divisor > 1 ? s.divisor * s.divisor : 1));
@@ -191,19 +196,31 @@ static void check_against_peel(setup s, int frames) {
 
 static void still_equals_peel(dgb_oracle oracle, dgb_emission emission) {
     static const float separations[] = {0.5f, 0.0f, 0.05f};
-    size_t             i;
+    size_t i;
     for (i = 0; i < 3; ++i) {
-        setup s      = default_setup(oracle, emission);
+        setup s = default_setup(oracle, emission);
         s.separation = separations[i];
         check_against_peel(s, 2);
         check_against_peel(s, 3);
     }
 }
 
-static void test_previous_separate(void** state) { (void)state; still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_SEPARATE); }
-static void test_previous_vertex(void** state) { (void)state; still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_VERTEX); }
-static void test_reproject_separate(void** state) { (void)state; still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE); }
-static void test_reproject_vertex(void** state) { (void)state; still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX); }
+static void test_previous_separate(void** state) {
+    (void)state;
+    still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_SEPARATE);
+}
+static void test_previous_vertex(void** state) {
+    (void)state;
+    still_equals_peel(DGB_ORACLE_PREVIOUS, DGB_EMISSION_VERTEX);
+}
+static void test_reproject_separate(void** state) {
+    (void)state;
+    still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
+}
+static void test_reproject_vertex(void** state) {
+    (void)state;
+    still_equals_peel(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX);
+}
 
 static void test_image(void** state) {
     (void)state;
@@ -213,25 +230,25 @@ static void test_image(void** state) {
 
 static void test_predict(void** state) {
     static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_VERTEX, DGB_EMISSION_IMAGE};
-    int                       i;
+    int i;
     (void)state;
     for (i = 0; i < 3; ++i) still_equals_peel(DGB_ORACLE_PREDICT, emissions[i]);
 }
 
 static void test_delay(void** state) {
     static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_VERTEX, DGB_EMISSION_IMAGE};
-    int                       i;
+    int i;
     (void)state;
     for (i = 0; i < 3; ++i) still_equals_peel(DGB_ORACLE_DELAY, emissions[i]);
 }
 
 /* Moving: with the true next pose PREDICT is exact, and DELAY shows the frame before, exactly. */
 static void moving_equals_peel(dgb_oracle oracle, dgb_emission emission, int late) {
-    setup s      = default_setup(oracle, emission), peel;
+    setup s = default_setup(oracle, emission), peel;
     built a, b;
-    s.moving     = true;
+    s.moving = true;
     s.knows_next = true;
-    peel         = s;
+    peel = s;
     peel.oracle = DGB_ORACLE_PEEL, peel.emission = DGB_EMISSION_AUTO;
     a = build_frames(&s, 5);
     b = build_frames(&peel, 5 - late);
@@ -257,7 +274,7 @@ static void test_moving_delay(void** state) {
 static void check_nearly_peel(setup s, int frames) {
     setup peel = s;
     built a, b;
-    int   layer, i, coverage = 0, depth = 0;
+    int layer, i, coverage = 0, depth = 0;
     peel.oracle = DGB_ORACLE_PEEL, peel.emission = DGB_EMISSION_AUTO;
     a = build_frames(&s, frames);
     b = build_frames(&peel, frames);
@@ -270,8 +287,8 @@ static void check_nearly_peel(setup s, int frames) {
                 ++depth;
         }
     if (coverage + depth)
-        printf("# %s, %s, %d layers, 1/%d: %d texels of another coverage, %d of another depth\n", dgb_emission_name(s.emission),
-               dgb_oracle_name(s.oracle), s.layers, s.divisor, coverage, depth);
+        printf("# %s, %s, %d layers, 1/%d: %d texels of another coverage, %d of another depth\n",
+               dgb_emission_name(s.emission), dgb_oracle_name(s.oracle), s.layers, s.divisor, coverage, depth);
     assert_true(coverage <= a.layers * a.width * a.height / 10000);
     assert_int_equal(depth, 0);
     free_layers(&a);
@@ -282,10 +299,10 @@ static void check_nearly_peel(setup s, int frames) {
 static void test_extrapolation(void** state) {
     setup s = default_setup(DGB_ORACLE_PREDICT, DGB_EMISSION_AUTO), peel;
     built a, b;
-    int   i, wrong = 0;
+    int i, wrong = 0;
     (void)state;
     s.moving = true;
-    peel     = s;
+    peel = s;
     peel.oracle = DGB_ORACLE_PEEL, peel.emission = DGB_EMISSION_AUTO;
     a = build_frames(&s, 6);
     b = build_frames(&peel, 6);
@@ -299,16 +316,16 @@ static void test_extrapolation(void** state) {
 static void test_divisor(void** state) {
     static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_VERTEX, DGB_EMISSION_GEOMETRY,
                                              DGB_EMISSION_INSTANCED_GEOMETRY};
-    static const dgb_oracle   oracles[]   = {DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_DELAY};
-    int                       e, o, divisor, layers;
+    static const dgb_oracle oracles[] = {DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_DELAY};
+    int e, o, divisor, layers;
     (void)state;
     for (divisor = 2; divisor <= 4; divisor *= 2)
         for (layers = 2; layers <= 3; ++layers)
             for (e = 0; e < 4; ++e)
                 for (o = 0; o < 3; ++o) {
-                    setup s   = default_setup(oracles[o], emissions[e]);
+                    setup s = default_setup(oracles[o], emissions[e]);
                     s.divisor = divisor;
-                    s.layers  = layers;
+                    s.layers = layers;
                     if (emissions[e] == DGB_EMISSION_SEPARATE)
                         check_against_peel(s, 4);
                     else
@@ -318,8 +335,9 @@ static void test_divisor(void** state) {
 
 static void test_geometry(void** state) {
     static const dgb_emission emissions[] = {DGB_EMISSION_GEOMETRY, DGB_EMISSION_INSTANCED_GEOMETRY};
-    static const dgb_oracle   oracles[]   = {DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREDICT, DGB_ORACLE_DELAY};
-    int                       e, o;
+    static const dgb_oracle oracles[] = {DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREDICT,
+                                         DGB_ORACLE_DELAY};
+    int e, o;
     (void)state;
     for (e = 0; e < 2; ++e)
         for (o = 0; o < 4; ++o) check_nearly_peel(default_setup(oracles[o], emissions[e]), 3);
@@ -327,31 +345,33 @@ static void test_geometry(void** state) {
 
 static void test_conventions(void** state) {
     static const dgb_format formats[] = {DGB_FORMAT_D16, DGB_FORMAT_D24, DGB_FORMAT_D32F};
-    int                     kind, format;
+    int kind, format;
     (void)state;
     for (kind = 0; kind < 5; ++kind)
         for (format = 0; format < 3; ++format) {
-            setup s        = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX);
+            setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX);
             s.depth_format = formats[format];
             if (kind == 1) s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE;
             if (kind == 2) s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE, s.view.far_plane = 0.0f;
             if (kind == 3) s.view.fov = 0.0f;
             if (kind == 4) s.view.jitter[0] = 0.3f, s.view.jitter[1] = -0.4f;
-            if (kind == 2 && formats[format] == DGB_FORMAT_D16) continue; /* 8 m behind 0.1: D16 resolves no 0.5 m there */
+            if (kind == 2 && formats[format] == DGB_FORMAT_D16)
+                continue; /* 8 m behind 0.1: D16 resolves no 0.5 m there */
             check_against_peel(s, 3);
         }
 }
 
 static void test_k_layers(void** state) {
-    static const dgb_oracle   oracles[]   = {DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS, DGB_ORACLE_PREDICT, DGB_ORACLE_DELAY};
+    static const dgb_oracle oracles[] = {DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS, DGB_ORACLE_PREDICT,
+                                         DGB_ORACLE_DELAY};
     static const dgb_emission emissions[] = {DGB_EMISSION_VERTEX, DGB_EMISSION_IMAGE};
-    int                       layers, o, e;
+    int layers, o, e;
     (void)state;
     for (layers = 1; layers <= 8; layers += layers < 4 ? 1 : 4)
         for (o = 0; o < 4; ++o)
             for (e = 0; e < 2; ++e) {
-                setup s      = default_setup(oracles[o], emissions[e]);
-                s.layers     = layers;
+                setup s = default_setup(oracles[o], emissions[e]);
+                s.layers = layers;
                 s.separation = 0.2f;
                 check_against_peel(s, layers + 1);
             }
@@ -360,13 +380,13 @@ static void test_k_layers(void** state) {
 /* With motion an oracle errs, but REPROJECT less than PREVIOUS; layer 0 is never touched. */
 static void test_motion(void** state) {
     static const dgb_oracle oracles[] = {DGB_ORACLE_PEEL, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS};
-    built                   b[3];
-    int                     wrong[3] = {0, 0, 0}, o, i, target;
+    built b[3];
+    int wrong[3] = {0, 0, 0}, o, i, target;
     (void)state;
     for (o = 0; o < 3; ++o) {
-        setup s  = default_setup(oracles[o], DGB_EMISSION_AUTO);
+        setup s = default_setup(oracles[o], DGB_EMISSION_AUTO);
         s.moving = true;
-        b[o]     = build_frames(&s, 6);
+        b[o] = build_frames(&s, 6);
     }
     for (o = 1; o < 3; ++o) {
         const size_t image = (size_t)(b[0].width * b[0].height);
@@ -384,17 +404,17 @@ static void test_motion(void** state) {
 }
 
 static void test_empty_scene(void** state) {
-    dgb_context       c;
-    setup             s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO);
-    dgb_desc          d = desc_of(&s);
-    dgb_params        q = dgb_preset(DGB_PRESET_BALANCED);
-    dgb_view          view = view_at(&s, 0);
+    dgb_context c;
+    setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO);
+    dgb_desc d = desc_of(&s);
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_view view = view_at(&s, 0);
     fixture_draw_user user;
-    built             b;
-    int               layer, i;
+    built b;
+    int layer, i;
     (void)state;
     memset(&user, 0, sizeof user);
-    user.f       = &f;
+    user.f = &f;
     user.nothing = true;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);

@@ -45,8 +45,8 @@ static const float *raw_ao, *raw_irradiance;
 
 static void replace_image(dgb_slot slot, GLenum format, const float* texels) {
     glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(raw_context, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, raw_context->plan.width, raw_context->plan.height, format,
-                    GL_FLOAT, texels);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, raw_context->plan.width, raw_context->plan.height, format, GL_FLOAT,
+                    texels);
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 
@@ -241,8 +241,8 @@ typedef struct tally {
 static void report(const tally* t) {
     printf("#     %-12s %6d pixels, %d wrong, %d doubtful, %d unsure; off by %.3f at most, %.3f on average; "
            "%.4f of the bound needed\n",
-           t->what, t->pixels, t->wrong, t->doubtful, t->unsure, t->worst,
-           t->pixels ? t->sum / t->pixels : 0.0, t->needed);
+           t->what, t->pixels, t->wrong, t->doubtful, t->unsure, t->worst, t->pixels ? t->sum / t->pixels : 0.0,
+           t->needed);
     assert_true(t->wrong + t->unsure <= t->pixels / 10000 + (t->pixels > 1000 ? 1 : 0));
 }
 
@@ -264,8 +264,7 @@ static void count_half(tally* t, double value, double low, double high) {
     const double ulp = half_ulp_size(value), middle = 0.5 * (low + high), beyond = fabs(value - middle) - ulp;
     const bool right = value >= low - ulp && value <= high + ulp;
     count_value(t, fabs(value - middle) / ulp, right);
-    if (right && high > low && beyond / (0.5 * (high - low)) > t->needed)
-        t->needed = beyond / (0.5 * (high - low));
+    if (right && high > low && beyond / (0.5 * (high - low)) > t->needed) t->needed = beyond / (0.5 * (high - low));
 }
 
 /* Whether `code` of 255 may come from a visibility in low..high; reference: without float errors. */
@@ -275,10 +274,8 @@ static void count_code(tally* t, double code, double low, double high, double ex
 
 /* How much of its error bound the sum under the root needs to reach the code stored. */
 static double needed_share(const reference_ao* ao, const dgb_params* q, double code) {
-    const double edge[2] = {(code - 0.5) / 255.0, (code + 0.5) / 255.0},
-                 scale = q->ao_samples / 3.14159265358979323846;
-    const double most = scale * (1.0 - edge[0]) * (1.0 - edge[0]),
-                 least = scale * (1.0 - edge[1]) * (1.0 - edge[1]);
+    const double edge[2] = {(code - 0.5) / 255.0, (code + 0.5) / 255.0}, scale = q->ao_samples / 3.14159265358979323846;
+    const double most = scale * (1.0 - edge[0]) * (1.0 - edge[0]), least = scale * (1.0 - edge[1]) * (1.0 - edge[1]);
     if (ao->empty || ao->error == 0.0 || ao->reach < 3.0 || q->ao_intensity != 1.0f || code < 1.0) return 0.0;
     if (ao->sum > most) return (ao->sum - most) / ao->error;
     return code < 255.0 && ao->sum < least ? (least - ao->sum) / ao->error : 0.0;
@@ -294,28 +291,24 @@ static void compare_ao(const shot* s, const dgb_params* q) {
             const double need = needed_share(&ao, q, code);
             const int wrong = t.wrong;
             count_code(&t, code, reference_visibility(&ao, q, ao.sum + ao.error) - 1e-6,
-                       reference_visibility(&ao, q, ao.sum - ao.error) + 1e-6,
-                       reference_visibility(&ao, q, ao.sum));
+                       reference_visibility(&ao, q, ao.sum - ao.error) + 1e-6, reference_visibility(&ao, q, ao.sum));
             if (t.wrong == wrong && need > t.needed) t.needed = need;
         }
     report(&t);
 }
 
 static void compare_light(const shot* s, const setup* how) {
-    tally t = {"irradiance", 0, 0, 0, 0, 0.0, 0.0, 0.0},
-          confidence = {"confidence", 0, 0, 0, 0, 0.0, 0.0, 0.0};
+    tally t = {"irradiance", 0, 0, 0, 0, 0.0, 0.0, 0.0}, confidence = {"confidence", 0, 0, 0, 0, 0.0, 0.0, 0.0};
     tally doubtful = {"in plane", 0, 0, 0, 0, 0.0, 0.0, 0.0};
     int x, y, i;
     for (y = s->rect[1]; y <= s->rect[3]; ++y)
         for (x = s->rect[0]; x <= s->rect[2]; ++x) {
-            const reference_light e =
-                reference_irradiance(&s->r, &how->params, how->senders, how->normaliser, x, y);
+            const reference_light e = reference_irradiance(&s->r, &how->params, how->senders, how->normaliser, x, y);
             const float* value = s->irradiance_raw + 4 * (y * s->r.width + x);
             doubtful.doubtful += e.doubtful > 0;
             t.unsure += e.unsure;
             if (e.unsure) continue;
-            for (i = 0; i < 3; ++i)
-                count_half(e.doubtful ? &doubtful : &t, (double)value[i], e.low[i], e.high[i]);
+            for (i = 0; i < 3; ++i) count_half(e.doubtful ? &doubtful : &t, (double)value[i], e.low[i], e.high[i]);
             count_half(&confidence, (double)value[3], e.low_confidence, e.high_confidence);
         }
     report(&t);
@@ -328,8 +321,7 @@ static void compare_light(const shot* s, const setup* how) {
 /* Along one axis, from the image that the pass read to the one it wrote. */
 static void compare_filter(const shot* s, const dgb_params* q, int axis) {
     const float *from_ao = axis ? s->ao_half : s->ao_raw, *to_ao = axis ? s->ao : s->ao_half;
-    const float *from = axis ? s->irradiance_half : s->irradiance_raw,
-                *to = axis ? s->irradiance : s->irradiance_half;
+    const float *from = axis ? s->irradiance_half : s->irradiance_raw, *to = axis ? s->irradiance : s->irradiance_half;
     tally ao = {axis ? "ao" : "ao half", 0, 0, 0, 0, 0.0, 0.0, 0.0};
     tally e = {axis ? "E" : "E half", 0, 0, 0, 0, 0.0, 0.0, 0.0};
     int x, y, i;
@@ -338,8 +330,8 @@ static void compare_filter(const shot* s, const dgb_params* q, int axis) {
             const int at = y * s->r.width + x;
             const reference_filtered a = reference_reconstruct(&s->r, q, axis, s->rect, from_ao, 1, x, y);
             const reference_filtered b = reference_reconstruct(&s->r, q, axis, s->rect, from, 4, x, y);
-            count_code(&ao, floor(255.0 * (double)to_ao[at] + 0.5), a.value[0] - a.error[0],
-                       a.value[0] + a.error[0], a.value[0]);
+            count_code(&ao, floor(255.0 * (double)to_ao[at] + 0.5), a.value[0] - a.error[0], a.value[0] + a.error[0],
+                       a.value[0]);
             for (i = 0; i < 4; ++i)
                 count_half(&e, (double)to[4 * at + i], b.value[i] - b.error[i], b.value[i] + b.error[i]);
         }
@@ -351,8 +343,8 @@ static void compare_levels(const shot* s) {
     int level;
     assert_int_equal(s->c.plan.levels, s->r.levels);
     for (level = 1; level < s->r.levels; ++level) {
-        const size_t texels = (size_t)reference_size(s->r.width, level) *
-                              (size_t)reference_size(s->r.height, level) * sizeof(float);
+        const size_t texels =
+            (size_t)reference_size(s->r.width, level) * (size_t)reference_size(s->r.height, level) * sizeof(float);
         float *z = read_level(s, DGB_Z, level), *normals = read_level(s, DGB_NORMALS, level),
               *b = read_level(s, DGB_B0, level);
         assert_memory_equal(z, s->r.z[level], texels * (size_t)s->r.layers);
@@ -380,8 +372,7 @@ static void check_ranges(const shot* s) {
     size_t i, k;
     assert_true(in_range(s->z, texels * (size_t)s->r.layers, -DGB_MAX_DISTANCE, DGB_MAX_DISTANCE));
     assert_true(in_range(s->normals, texels * (size_t)(2 * s->r.layers), 0.0f, 1.0f));
-    for (i = 0; i < (size_t)s->r.layers; ++i)
-        assert_true(in_range(s->radiance[i], texels * 3, 0.0f, DGB_MAX_RADIANCE));
+    for (i = 0; i < (size_t)s->r.layers; ++i) assert_true(in_range(s->radiance[i], texels * 3, 0.0f, DGB_MAX_RADIANCE));
     assert_true(in_range(s->ao_raw, texels, 0.0f, 1.0f));
     assert_true(in_range(s->ao_half, texels, 0.0f, 1.0f));
     assert_true(in_range(s->ao, texels, 0.0f, 1.0f));
@@ -515,8 +506,7 @@ static void check_packed_layer(const shot* s, int layer, double* worst) {
         *worst = error > *worst * fabs((double)z) ? error / fabs((double)z) : *worst;
         assert_memory_equal(s->normals + (i * s->r.layers + layer) * 2, z != 0.0f ? normal + 4 * i : nothing,
                             2 * sizeof(float));
-        assert_memory_equal(s->radiance[layer] + 3 * i, z != 0.0f ? radiance + 3 * i : nothing,
-                            3 * sizeof(float));
+        assert_memory_equal(s->radiance[layer] + 3 * i, z != 0.0f ? radiance + 3 * i : nothing, 3 * sizeof(float));
     }
     free(depth), free(normal), free(radiance);
 }
@@ -632,15 +622,12 @@ static uint32_t random_bits(void) {
     return random_state ^ random_state >> 15;
 }
 
-static float random_in(float low, float high) {
-    return low + (high - low) * (float)(random_bits() >> 8) / 16777216.0f;
-}
+static float random_in(float low, float high) { return low + (high - low) * (float)(random_bits() >> 8) / 16777216.0f; }
 
 /* Any bit pattern, with those that matter more often than chance has them. */
 static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u,
-                                       0x00000001u, 0x7f7fffffu, 0xff7fffffu, 0x3f800000u,
-                                       0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
+    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
+                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
     uint32_t bits = random_bits() ^ random_bits() << 16;
     float x;
     if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
@@ -679,11 +666,10 @@ static void test_pack_engine(void** state) {
                 other_normals +=
                     floor(255.0 * (double)s.normals[4 * i + 2 * layer + k] + 0.5) != (code >> 8 * k & 255u);
             for (k = 0; k < 3; ++k) /* the device may truncate */
-                other_radiance += fabsf(s.radiance[layer][3 * i + k] - rgb[k]) >
-                                  rgb[k] * (k == 2 ? 1.0f / 32.0f : 1.0f / 64.0f);
+                other_radiance +=
+                    fabsf(s.radiance[layer][3 * i + k] - rgb[k]) > rgb[k] * (k == 2 ? 1.0f / 32.0f : 1.0f / 64.0f);
         }
-    printf("# normals of another code: %d, radiance more than a code off: %d\n", other_normals,
-           other_radiance);
+    printf("# normals of another code: %d, radiance more than a code off: %d\n", other_normals, other_radiance);
     assert_int_equal(other_normals, 0);
     assert_int_equal(other_radiance, 0);
     compare_levels(&s);
@@ -740,8 +726,7 @@ static void test_strict_separation(void** state) {
         filled[strict] = filled_texels(&t, 1);
         close_shot(&t);
     }
-    printf("# violations: %d of %d as built, %d of %d strict\n", violations[0], filled[0], violations[1],
-           filled[1]);
+    printf("# violations: %d of %d as built, %d of %d strict\n", violations[0], filled[0], violations[1], filled[1]);
     assert_true(violations[0] > 100);
     assert_int_equal(violations[1], 0);
     assert_int_equal(filled[0] - violations[0], filled[1]); /* nothing else was lost */
@@ -884,8 +869,8 @@ static void test_energy(void** state) {
         for (y = t.rect[1]; y <= t.rect[3]; ++y)
             for (x = t.rect[0]; x <= t.rect[2]; ++x)
                 for (i = 0; i < 3; ++i) {
-                    const double e = (double)t.irradiance_raw[4 * (y * t.r.width + x) + i] /
-                                     (3.14159265358979 * (double)c[i]);
+                    const double e =
+                        (double)t.irradiance_raw[4 * (y * t.r.width + x) + i] / (3.14159265358979 * (double)c[i]);
                     most = e > most ? e : most;
                 }
         printf("# all send 1: irradiance over pi is %.6f at most\n", most);
@@ -973,8 +958,7 @@ static void test_noise(void** state) {
     (void)state;
     raw_images(&s, &ao, &irradiance);
     for (i = 0; i < texels; ++i) ao[i] = (float)(random_bits() >> 24) / 255.0f;
-    for (i = 0; i < 4 * texels; ++i)
-        irradiance[i] = i % 4 == 3 ? random_in(0.0f, 1.0f) : expf(random_in(-6.0f, 6.0f));
+    for (i = 0; i < 4 * texels; ++i) irradiance[i] = i % 4 == 3 ? random_in(0.0f, 1.0f) : expf(random_in(-6.0f, 6.0f));
     for (fraction = 0; fraction < 3; ++fraction) {
         s.params.guard_fraction = 0.5f * (float)fraction;
         t = reconstruct(&s, ao, irradiance);
@@ -1020,8 +1004,7 @@ static void test_presets_switch(void** state) {
         assert_int_equal(dgb_shade(&t.c, &q), DGB_OK);
         again = read_image(&t.c, DGB_IRRADIANCE, 0, GL_RGBA, 4);
         if (preset % DGB_PRESET_COUNT != DGB_PRESET_BALANCED)
-            assert_memory_not_equal(again, before,
-                                    (size_t)(4 * t.c.plan.width * t.c.plan.height) * sizeof(float));
+            assert_memory_not_equal(again, before, (size_t)(4 * t.c.plan.width * t.c.plan.height) * sizeof(float));
         free(again);
     }
     assert_int_equal(created_programs, programs);

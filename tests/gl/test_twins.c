@@ -85,8 +85,7 @@ static GLuint link_fragment(const char* const* fragment_texts, int count) {
     return program;
 }
 
-static GLuint texture_of(GLint internal, int width, int height, GLenum format, GLenum type,
-                         const void* texels) {
+static GLuint texture_of(GLint internal, int width, int height, GLenum format, GLenum type, const void* texels) {
     GLuint name;
     glGenTextures(1, &name);
     glBindTexture(GL_TEXTURE_2D, name);
@@ -137,8 +136,7 @@ static GLuint upload_inputs(int texels) {
     float* packed = (float*)malloc(sizeof(float) * (size_t)(CASES * texels * 4));
     GLuint name;
     int i;
-    for (i = 0; i < CASES; ++i)
-        memcpy(packed + (size_t)(i * texels * 4), in[i], (size_t)texels * 4 * sizeof(float));
+    for (i = 0; i < CASES; ++i) memcpy(packed + (size_t)(i * texels * 4), in[i], (size_t)texels * 4 * sizeof(float));
     name = texture_of(GL_RGBA32F, SIDE * texels, SIDE, GL_RGBA, GL_FLOAT, packed);
     free(packed);
     return name;
@@ -199,10 +197,10 @@ static float random_size(float low, float high) {
     return random_bits() & 1u ? -x : x;
 }
 
-static const uint32_t special_bits[] = {
-    0x00000000u, 0x80000000u, 0x00000001u, 0x80000001u, 0x007fffffu, 0x00800000u, 0x7f7fffffu, 0xff7fffffu,
-    0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00000u, 0x7f800001u, 0x3f800000u, 0xbf800000u, 0x3f000000u,
-    0x477c0000u, 0x477c0001u, 0x5f000000u, 0xdf000000u, 0x7e967699u, 0x0da24260u};
+static const uint32_t special_bits[] = {0x00000000u, 0x80000000u, 0x00000001u, 0x80000001u, 0x007fffffu, 0x00800000u,
+                                        0x7f7fffffu, 0xff7fffffu, 0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00000u,
+                                        0x7f800001u, 0x3f800000u, 0xbf800000u, 0x3f000000u, 0x477c0000u, 0x477c0001u,
+                                        0x5f000000u, 0xdf000000u, 0x7e967699u, 0x0da24260u};
 
 /* A number that makes trouble, or any bit pattern. */
 static float random_pattern(void) {
@@ -263,8 +261,8 @@ static void compare(tally* t, float device, float host, double scale) {
 }
 
 static void check(const tally* t, double bound) {
-    printf("# %-22s %6d cases: %.3g at most, %.3g on average (bound %.3g), %d of another kind\n", t->name,
-           t->count, t->worst, t->count ? t->sum / t->count : 0.0, bound, t->other);
+    printf("# %-22s %6d cases: %.3g at most, %.3g on average (bound %.3g), %d of another kind\n", t->name, t->count,
+           t->worst, t->count ? t->sum / t->count : 0.0, bound, t->other);
     assert_true(t->count >= CASES / 2);
     assert_int_equal(t->other, 0);
     assert_true(t->worst <= bound);
@@ -304,8 +302,7 @@ static void test_oct16_encode(void** state) {
         if (is_hostile(i)) make_hostile(in[i][0], 3);
     }
     for (i = 0; i < AXES; ++i) /* both directions of each axis, from tiny to huge */
-        for (k = 0; k < 3; ++k)
-            in[i][0][k] = k == i % 3 ? ldexpf(i / 3 % 2 ? -1.0f : 1.0f, i / 2 - 120) : 0.0f;
+        for (k = 0; k < 3; ++k) in[i][0][k] = k == i % 3 ? ldexpf(i / 3 % 2 ? -1.0f : 1.0f, i / 2 - 120) : 0.0f;
     evaluate("uvec4(uvec2(dgb_oct16_encode(given(0).xyz) * 255.0 + 0.5), 0u, 0u)", 1);
     for (i = 0; i < CASES; ++i) {
         const uint32_t code = dgb_oct16_encode(in[i][0]), device = out[i][0] | out[i][1] << 8;
@@ -356,8 +353,7 @@ static void test_storable(void** state) {
 /* What reaches a texture of 10-bit, 11-bit or half floats: never NaN or infinity; what C packs, or the code
    below. */
 static void check_store(GLint internal, GLenum format, GLenum type, const char* statement, void* codes) {
-    const GLuint inputs = upload_inputs(1),
-                 target = texture_of(internal, SIDE, SIDE, GL_RGBA, GL_FLOAT, NULL);
+    const GLuint inputs = upload_inputs(1), target = texture_of(internal, SIDE, SIDE, GL_RGBA, GL_FLOAT, NULL);
     const GLuint program = program_of("layout(location = 0) out vec4 twin_out;\n", statement);
     draw_cases(program, inputs, 1, target);
     glBindTexture(GL_TEXTURE_2D, target);
@@ -382,9 +378,9 @@ static void test_r11g11b10f_store(void** state) {
         int k;
         dgb_r11g11b10f_unpack(device, rgb);
         for (k = 0; k < 3; ++k) assert_true(rgb[k] >= 0.0f && rgb[k] <= 65024.0f); /* no NaN, no infinity */
-        mismatches += !(equal_or_below(device & 2047u, host & 2047u) &&
-                        equal_or_below(device >> 11 & 2047u, host >> 11 & 2047u) &&
-                        equal_or_below(device >> 22, host >> 22));
+        mismatches +=
+            !(equal_or_below(device & 2047u, host & 2047u) &&
+              equal_or_below(device >> 11 & 2047u, host >> 11 & 2047u) && equal_or_below(device >> 22, host >> 22));
     }
     check_equal("R11G11B10F store", mismatches, 0);
 }
@@ -394,8 +390,7 @@ static void test_half_store(void** state) {
     int i, k, mismatches = 0;
     (void)state;
     fill_patterns(3);
-    check_store(GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, "    twin_out = vec4(dgb_storable(given(0).rgb), 1.0);\n",
-                codes);
+    check_store(GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, "    twin_out = vec4(dgb_storable(given(0).rgb), 1.0);\n", codes);
     for (i = 0; i < CASES; ++i)
         for (k = 0; k < 3; ++k) {
             const float value = dgb_half_to_float(codes[i][k]);
@@ -425,17 +420,16 @@ static void test_mip_level(void** state) {
     int i, mismatches = 0;
     (void)state;
     for (i = 0; i < CASES; ++i) { /* every power of two, the float before it and the float after */
-        in[i][0][0] = i < 16 * 765 ? from_bits(((uint32_t)(i / 3 % 255) << 23) + (uint32_t)(i % 3) - 1u)
-                                   : random_pattern();
+        in[i][0][0] =
+            i < 16 * 765 ? from_bits(((uint32_t)(i / 3 % 255) << 23) + (uint32_t)(i % 3) - 1u) : random_pattern();
         in[i][0][1] = (float)(i / 765 % 5);
         in[i][0][2] = (float)(random_bits() % 3u);
         in[i][0][3] = in[i][0][2] + (float)(random_bits() % 4u);
     }
-    evaluate(
-        "uvec4(dgb_mip_level(given(0).x, int(given(0).y), int(given(0).z), int(given(0).w)), 0u, 0u, 0u)", 1);
+    evaluate("uvec4(dgb_mip_level(given(0).x, int(given(0).y), int(given(0).z), int(given(0).w)), 0u, 0u, 0u)", 1);
     for (i = 0; i < CASES; ++i)
-        mismatches += (int)out[i][0] !=
-                      dgb_mip_level(in[i][0][0], (int)in[i][0][1], (int)in[i][0][2], (int)in[i][0][3]);
+        mismatches +=
+            (int)out[i][0] != dgb_mip_level(in[i][0][0], (int)in[i][0][1], (int)in[i][0][2], (int)in[i][0][3]);
     check_equal("mip level", mismatches, 0);
 }
 
@@ -494,8 +488,7 @@ static void test_depth_code(void** state) {
     (void)state;
     for (i = 0; i < CASES; ++i) {
         in[i][0][0] = is_hostile(i) ? random_pattern() : random_in(0.0f, 1.0f);
-        if (i % 8 == 6)
-            in[i][0][0] = ((float)(random_bits() % 65535u) + 0.5f) / 65535.0f; /* half-way between codes */
+        if (i % 8 == 6) in[i][0][0] = ((float)(random_bits() % 65535u) + 0.5f) / 65535.0f; /* half-way between codes */
         in[i][0][1] = codes[i % 4];
     }
     evaluate("bits(dgb_depth_code(given(0).x, given(0).y))", 1);
@@ -514,8 +507,7 @@ static void test_linear_z(void** state) {
         dgb_camera camera;
         give_camera(i, &camera);
         in[i][0][0] = random_in(0.0f, 1.0f);
-        if (i % 3 == 0)
-            in[i][0][0] = fabsf(camera.footprint[3] - expf(random_in(-20.0f, 0.0f))); /* far away */
+        if (i % 3 == 0) in[i][0][0] = fabsf(camera.footprint[3] - expf(random_in(-20.0f, 0.0f))); /* far away */
         if (is_hostile(i)) in[i][0][0] = random_pattern();
     }
     evaluate("bits(dgb_linear_z(given(0).x, given_camera()))", 5);
@@ -546,8 +538,7 @@ static void test_position(void** state) {
         float point[3];
         dgb_position(in[i][0][0], in[i][0][1], in[i][0][2], &camera, point);
         for (k = 0; k < 3; ++k) { /* x and y in units of the largest number that their sums hold */
-            const double scale =
-                k == 2 ? 1.0 : fabs((double)in[i][0][2]) + 1e3 * fabs((double)camera.position_1[k]);
+            const double scale = k == 2 ? 1.0 : fabs((double)in[i][0][2]) + 1e3 * fabs((double)camera.position_1[k]);
             compare(&t, device_float(i, k), point[k], FLT_EPSILON * scale);
         }
     }
@@ -618,8 +609,7 @@ static void test_ao_term(void** state) {
     }
     evaluate("bits(dgb_ao_term(given(0).xyz, given(1).xyz, given(2).x, given(2).y, given(2).z))", 3);
     for (i = 0; i < CASES; ++i)
-        compare(&t, device_float(i, 0),
-                dgb_ao_term(in[i][0], in[i][1], in[i][2][0], in[i][2][1], in[i][2][2]), 1.0);
+        compare(&t, device_float(i, 0), dgb_ao_term(in[i][0], in[i][1], in[i][2][0], in[i][2][1], in[i][2][2]), 1.0);
     check(&t, 1e-6);
 }
 
@@ -706,11 +696,10 @@ static void test_bilateral_weight(void** state) {
         in[i][3][1] = i % 3 ? random_in(0.0f, 2.0f) : 0.0f;
         if (i % 100 == 0) memset(in[i][0], 0, sizeof in[i][0]);
     }
-    evaluate("bits(dgb_bilateral_weight(given(1).xyz, given(2).xyz, given(0).xyz, given(3).x, given(3).y))",
-             4);
+    evaluate("bits(dgb_bilateral_weight(given(1).xyz, given(2).xyz, given(0).xyz, given(3).x, given(3).y))", 4);
     for (i = 0; i < CASES; ++i)
-        compare(&t, device_float(i, 0),
-                dgb_bilateral_weight(in[i][1], in[i][2], in[i][0], in[i][3][0], in[i][3][1]), 1.0);
+        compare(&t, device_float(i, 0), dgb_bilateral_weight(in[i][1], in[i][2], in[i][0], in[i][3][0], in[i][3][1]),
+                1.0);
     check(&t, 3e-6);
 }
 
@@ -722,8 +711,7 @@ typedef struct tap_place {
 
 static float clamped(float x, float high) { return x < 0.0f ? 0.0f : x > high ? high : x; }
 
-static tap_place host_tap(int x, int y, int i, int count, float reach, const int size[2],
-                          const int levels[3]) {
+static tap_place host_tap(int x, int y, int i, int count, float reach, const int size[2], const int levels[3]) {
     float tap[3], turn[2], h, direction[2];
     int axis;
     tap_place p;
@@ -755,15 +743,13 @@ static int tap_mismatches(float reach, int count, const int size[2], const int l
         in[i][2][1] = (float)levels[1];
         in[i][2][2] = (float)levels[2];
     }
-    evaluate(
-        "twin_tap(dgb_tap_at(vec4(given(0).xyz, 0.0), dgb_rotation(ivec2(gl_FragCoord.xy), 0), given(0).w,"
-        " gl_FragCoord.xy, ivec2(given(1).xy), ivec4(given(2))))",
-        3);
+    evaluate("twin_tap(dgb_tap_at(vec4(given(0).xyz, 0.0), dgb_rotation(ivec2(gl_FragCoord.xy), 0), given(0).w,"
+             " gl_FragCoord.xy, ivec2(given(1).xy), ivec4(given(2))))",
+             3);
     for (i = 0; i < CASES; ++i) {
         const tap_place p = host_tap(i % SIDE, i / SIDE, i % count, count, reach, size, levels);
-        mismatches += out[i][0] != ((uint32_t)p.texel[0] | (uint32_t)p.texel[1] << 16) ||
-                      (int)out[i][1] != p.level || (int)out[i][2] != p.pixel[0] ||
-                      (int)out[i][3] != p.pixel[1];
+        mismatches += out[i][0] != ((uint32_t)p.texel[0] | (uint32_t)p.texel[1] << 16) || (int)out[i][1] != p.level ||
+                      (int)out[i][2] != p.pixel[0] || (int)out[i][3] != p.pixel[1];
     }
     return mismatches;
 }
@@ -777,8 +763,7 @@ static void test_tap_placement(void** state) {
     for (reach = 0; reach < 4; ++reach)
         for (size = 0; size < 3; ++size)
             for (kind = 0; kind < 2; ++kind)
-                total +=
-                    tap_mismatches(reaches[reach], counts[(reach + size) % 4], sizes[size], levels[kind]);
+                total += tap_mismatches(reaches[reach], counts[(reach + size) % 4], sizes[size], levels[kind]);
     check_equal("tap placement, 24 times", total, 0);
 }
 

@@ -11,8 +11,7 @@
 
 static fixture f;
 
-typedef struct
-    member { /* of a block: GLSL name, offset, and distance between elements of an array (0: none) */
+typedef struct member { /* of a block: GLSL name, offset, and distance between elements of an array (0: none) */
     const char* name;
     size_t offset, stride;
 } member;
@@ -28,37 +27,33 @@ typedef struct
 #define ARRAY(name, type, field) \
     { name "[0]", offsetof(type, field), sizeof(float[4]) }
 
-static const member draw_members[] = {
-    CAMERA("dgb_draw_camera", dgb_draw_uniforms, camera),
-    CAMERA("dgb_draw_previous", dgb_draw_uniforms, previous),
-    VALUE("dgb_draw_distance", dgb_draw_uniforms, distance),
-    VALUE("dgb_draw_previous_distance", dgb_draw_uniforms, previous_distance),
-    VALUE("dgb_draw_size", dgb_draw_uniforms, size),
-    VALUE("dgb_draw_layer", dgb_draw_uniforms, layer),
-    VALUE("dgb_draw_flags", dgb_draw_uniforms, flags)};
+static const member draw_members[] = {CAMERA("dgb_draw_camera", dgb_draw_uniforms, camera),
+                                      CAMERA("dgb_draw_previous", dgb_draw_uniforms, previous),
+                                      VALUE("dgb_draw_distance", dgb_draw_uniforms, distance),
+                                      VALUE("dgb_draw_previous_distance", dgb_draw_uniforms, previous_distance),
+                                      VALUE("dgb_draw_size", dgb_draw_uniforms, size),
+                                      VALUE("dgb_draw_layer", dgb_draw_uniforms, layer),
+                                      VALUE("dgb_draw_flags", dgb_draw_uniforms, flags)};
 
-static const member pack_members[] = {CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera),
-                                      ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
-                                      VALUE("dgb_pack_separation", dgb_pack_uniforms, separation),
-                                      VALUE("dgb_pack_size", dgb_pack_uniforms, size)};
+static const member pack_members[] = {
+    CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera), ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
+    VALUE("dgb_pack_separation", dgb_pack_uniforms, separation), VALUE("dgb_pack_size", dgb_pack_uniforms, size)};
 
 static const member ao_members[] = {
     CAMERA("dgb_ao_camera", dgb_ao_uniforms, camera), VALUE("dgb_ao_size", dgb_ao_uniforms, size),
     VALUE("dgb_ao_level", dgb_ao_uniforms, level),    VALUE("dgb_ao_radius", dgb_ao_uniforms, radius),
     VALUE("dgb_ao_scale", dgb_ao_uniforms, scale),    ARRAY("dgb_ao_taps", dgb_ao_uniforms, taps)};
 
-static const member gather_members[] = {CAMERA("dgb_gather_camera", dgb_gather_uniforms, camera),
-                                        VALUE("dgb_gather_size", dgb_gather_uniforms, size),
-                                        VALUE("dgb_gather_level", dgb_gather_uniforms, level),
-                                        VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
-                                        ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
+static const member gather_members[] = {
+    CAMERA("dgb_gather_camera", dgb_gather_uniforms, camera), VALUE("dgb_gather_size", dgb_gather_uniforms, size),
+    VALUE("dgb_gather_level", dgb_gather_uniforms, level), VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
+    ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
 
-static const member reconstruct_members[] = {
-    CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),
-    VALUE("dgb_reconstruct_rect", dgb_reconstruct_uniforms, rect),
-    VALUE("dgb_reconstruct_axis", dgb_reconstruct_uniforms, axis),
-    VALUE("dgb_reconstruct_sharpness", dgb_reconstruct_uniforms, sharpness),
-    ARRAY("dgb_reconstruct_weights", dgb_reconstruct_uniforms, weights)};
+static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),
+                                             VALUE("dgb_reconstruct_rect", dgb_reconstruct_uniforms, rect),
+                                             VALUE("dgb_reconstruct_axis", dgb_reconstruct_uniforms, axis),
+                                             VALUE("dgb_reconstruct_sharpness", dgb_reconstruct_uniforms, sharpness),
+                                             ARRAY("dgb_reconstruct_weights", dgb_reconstruct_uniforms, weights)};
 
 typedef struct block {
     const char* name;
@@ -165,8 +160,7 @@ static void test_passes(void** state) {
 }
 
 static void test_material(void** state) {
-    static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_GEOMETRY,
-                                             DGB_EMISSION_VERTEX};
+    static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_GEOMETRY, DGB_EMISSION_VERTEX};
     int layers, i;
     (void)state;
     for (layers = 1; layers <= 2; ++layers)

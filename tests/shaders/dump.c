@@ -9,7 +9,7 @@
 static char text[1 << 16];
 
 static void write_text(const char* directory, const char* name, const char* stage, size_t length) {
-    char  path[1024];
+    char path[1024];
     FILE* file;
     if (length >= sizeof text) exit(2);
     snprintf(path, sizeof path, "%s/%s.%s", directory, name, stage);
@@ -22,7 +22,7 @@ static void write_text(const char* directory, const char* name, const char* stag
 
 static void write_program(const char* directory, const dgb_program_desc* p, int version, bool es) {
     char name[512];
-    int  used = snprintf(name, sizeof name, "%s_%s%d", dgb_pass_name(p->pass), es ? "es" : "gl", version), i;
+    int used = snprintf(name, sizeof name, "%s_%s%d", dgb_pass_name(p->pass), es ? "es" : "gl", version), i;
     for (i = 0; i < p->define_count; ++i)
         used += snprintf(name + used, sizeof name - (size_t)used, "_%s%d", p->defines[i].name + 4, p->defines[i].value);
     write_text(directory, name, "vert", dgbgl_pass_source(p, DGBGL_VERTEX, version, es, text, sizeof text));
@@ -31,7 +31,7 @@ static void write_program(const char* directory, const dgb_program_desc* p, int 
 
 static void write_plan(const char* directory, const dgb_desc* desc) {
     dgb_plan plan;
-    int      i;
+    int i;
     if (dgb_make_plan(desc, &plan) != DGB_OK) exit(2);
     for (i = 0; i < plan.program_count; ++i) {
         write_program(directory, &plan.programs[i], 330, false);
@@ -42,22 +42,22 @@ static void write_plan(const char* directory, const dgb_desc* desc) {
 
 /* A program that contains the snippets and does nothing else: what an engine's simplest material is. */
 static void write_snippets(const char* directory, dgb_emission emission, int version, bool es) {
-    static dgbgl_backend   gl;
-    static dgb_context     context;
-    const dgbgl_varying    varyings[] = {{NULL, "vec2", "v_uv"}, {"flat", "int", "v_material"}};
-    char                   name[64];
-    size_t                 length;
-    dgb_desc               desc;
+    static dgbgl_backend gl;
+    static dgb_context context;
+    const dgbgl_varying varyings[] = {{NULL, "vec2", "v_uv"}, {"flat", "int", "v_material"}};
+    char name[64];
+    size_t length;
+    dgb_desc desc;
     memset(&context, 0, sizeof context);
     memset(&desc, 0, sizeof desc);
     desc.width = desc.height = 64;
-    desc.emission            = emission;
+    desc.emission = emission;
     if (dgb_make_plan(&desc, &context.plan) != DGB_OK) exit(2);
-    gl.version                     = version;
-    gl.es                          = es;
-    gl.layer_extension             = "GL_ARB_shader_viewport_layer_array";
-    context.backend.user           = &gl;
-    context.initialised            = DGBI_INITIALISED;
+    gl.version = version;
+    gl.es = es;
+    gl.layer_extension = "GL_ARB_shader_viewport_layer_array";
+    context.backend.user = &gl;
+    context.initialised = DGBI_INITIALISED;
     context.textures[DGB_DEPTH].id = 1;
     snprintf(name, sizeof name, "layers_%s%d_%s", es ? "es" : "gl", version, dgb_emission_name(emission));
     length = dgbgl_shader_prefix(&context, DGBGL_VERTEX, varyings, 2, text, sizeof text);
@@ -69,9 +69,10 @@ static void write_snippets(const char* directory, dgb_emission emission, int ver
     length = dgbgl_geometry_shader(&context, varyings, 2, text, sizeof text);
     if (length) write_text(directory, name, "geom", length);
     length = dgbgl_shader_prefix(&context, DGBGL_FRAGMENT, varyings, 2, text, sizeof text);
-    length += (size_t)snprintf(text + length, sizeof text - length,
-                               "in vec2 v_uv; flat in int v_material;\nvoid main() {\n    if (!dgb_keep()) discard;\n"
-                               "    dgb_store(vec4(v_uv, float(v_material), 1.0), vec3(0.0, 0.0, 1.0), vec2(0.0), vec3(0.0));\n}\n");
+    length += (size_t)snprintf(
+        text + length, sizeof text - length,
+        "in vec2 v_uv; flat in int v_material;\nvoid main() {\n    if (!dgb_keep()) discard;\n"
+        "    dgb_store(vec4(v_uv, float(v_material), 1.0), vec3(0.0, 0.0, 1.0), vec2(0.0), vec3(0.0));\n}\n");
     write_text(directory, name, "frag", length);
 }
 
@@ -83,8 +84,8 @@ int main(int argc, char** argv) {
             dgb_desc desc;
             memset(&desc, 0, sizeof desc);
             desc.width = desc.height = 64;
-            desc.layers              = layers;
-            desc.effects             = (uint32_t)effects;
+            desc.layers = layers;
+            desc.effects = (uint32_t)effects;
             for (senders = 0; senders < DGB_SENDERS_COUNT; ++senders) {
                 desc.senders = (dgb_senders)senders;
                 write_plan(argv[1], &desc);

@@ -7,8 +7,8 @@
 
 /* >> context */
 
-static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar* text,
-                                const void* user) {
+static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                                  const GLchar* text, const void* user) {
     fixture* f = (fixture*)(uintptr_t)user;
     (void)source, (void)type, (void)id, (void)length;
     if (severity == GL_DEBUG_SEVERITY_NOTIFICATION) return;
@@ -41,16 +41,17 @@ static float random_between(float low, float high) {
     return low + (high - low) * (float)(random_state >> 8) / 16777216.0f;
 }
 
-static int add_quad(vertex* out, int count, const float corner[3], const float u[3], const float v[3], const float color[3]) {
+static int add_quad(vertex* out, int count, const float corner[3], const float u[3], const float v[3],
+                    const float color[3]) {
     static const float uv[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
-    float              n[3]     = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    const float        length   = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    int                i, c;
+    float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    int i, c;
     for (i = 0; i < 6; ++i)
         for (c = 0; c < 3; ++c) {
             out[count + i].position[c] = corner[c] + u[c] * uv[i][0] + v[c] * uv[i][1];
-            out[count + i].normal[c]   = n[c] / length;
-            out[count + i].color[c]    = color[c];
+            out[count + i].normal[c] = n[c] / length;
+            out[count + i].color[c] = color[c];
         }
     return count + 6;
 }
@@ -61,12 +62,12 @@ static int add_box(vertex* out, int count, const float low[3], const float high[
     for (axis = 0; axis < 3; ++axis)
         for (side = 0; side < 2; ++side) {
             const int a = (axis + 1) % 3, b = (axis + 2) % 3;
-            float     corner[3], u[3] = {0, 0, 0}, v[3] = {0, 0, 0};
+            float corner[3], u[3] = {0, 0, 0}, v[3] = {0, 0, 0};
             memcpy(corner, low, sizeof corner);
             if (side) corner[axis] = high[axis];
             u[side ? a : b] = high[side ? a : b] - low[side ? a : b];
             v[side ? b : a] = high[side ? b : a] - low[side ? b : a];
-            count           = add_quad(out, count, corner, u, v, color);
+            count = add_quad(out, count, corner, u, v, color);
         }
     return count;
 }
@@ -78,14 +79,14 @@ static int add_box_at(vertex* out, int count, float x, float z, float half, floa
 
 static int build_room(vertex* out) {
     static const float grey[3] = {0.6f, 0.6f, 0.6f}, red[3] = {0.8f, 0.1f, 0.1f}, green[3] = {0.1f, 0.7f, 0.2f};
-    const float        floor_corner[3] = {-10, 0, 8}, floor_u[3] = {20, 0, 0}, floor_v[3] = {0, 0, -22};
-    const float        back_corner[3] = {-10, 0, -14}, back_u[3] = {20, 0, 0}, back_v[3] = {0, 8, 0};
-    const float        left_corner[3] = {-10, 0, 8}, left_u[3] = {0, 0, -22}, left_v[3] = {0, 8, 0};
-    int                count = 0, i;
+    const float floor_corner[3] = {-10, 0, 8}, floor_u[3] = {20, 0, 0}, floor_v[3] = {0, 0, -22};
+    const float back_corner[3] = {-10, 0, -14}, back_u[3] = {20, 0, 0}, back_v[3] = {0, 8, 0};
+    const float left_corner[3] = {-10, 0, 8}, left_u[3] = {0, 0, -22}, left_v[3] = {0, 8, 0};
+    int count = 0, i;
     random_state = 7u;
-    count        = add_quad(out, count, floor_corner, floor_u, floor_v, grey);
-    count        = add_quad(out, count, back_corner, back_u, back_v, green);
-    count        = add_quad(out, count, left_corner, left_u, left_v, red);
+    count = add_quad(out, count, floor_corner, floor_u, floor_v, grey);
+    count = add_quad(out, count, back_corner, back_u, back_v, green);
+    count = add_quad(out, count, left_corner, left_u, left_v, red);
     for (i = 0; i < 14; ++i) {
         const float color[3] = {0.7f, 0.65f, 0.5f};
         count = add_box_at(out, count, -8.0f + 2.6f * (float)(i % 7), i < 7 ? -3.0f : -6.5f, 0.25f, 5.0f, color);
@@ -99,9 +100,9 @@ static int build_room(vertex* out) {
 }
 
 static void upload_scene(fixture* f) {
-    static vertex      vertices[MAX_VERTICES];
+    static vertex vertices[MAX_VERTICES];
     static const float blue[3] = {0.1f, 0.2f, 0.9f};
-    GLuint             attribute;
+    GLuint attribute;
     f->static_count = build_room(vertices);
     f->moving_count = add_box_at(vertices, f->static_count, 0.0f, -1.5f, 0.4f, 2.0f, blue) - f->static_count;
     glGenVertexArrays(1, &f->vertex_array);
@@ -121,7 +122,7 @@ static void upload_scene(fixture* f) {
 
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc) {
     dgbgl_desc d;
-    char       error[256] = "";
+    char error[256] = "";
     memset(f, 0, sizeof *f);
     if (desc)
         d = *desc;
@@ -157,22 +158,22 @@ void fixture_close(fixture* f) {
 fixture_view fixture_default_view(void) {
     fixture_view v;
     memset(&v, 0, sizeof v);
-    v.eye[0]     = 0.5f;
-    v.eye[1]     = 1.7f;
-    v.eye[2]     = 5.0f;
-    v.fov        = 60.0f;
+    v.eye[0] = 0.5f;
+    v.eye[1] = 1.7f;
+    v.eye[2] = 5.0f;
+    v.fov = 60.0f;
     v.near_plane = 0.1f;
-    v.far_plane  = 60.0f;
+    v.far_plane = 60.0f;
     return v;
 }
 
 static void view_matrix(const fixture_view* v, float m[16]) {
     const float c = cosf(v->yaw), s = sinf(v->yaw);
     memset(m, 0, sizeof(float) * 16);
-    m[0]  = c;
-    m[8]  = s;
-    m[5]  = 1.0f;
-    m[2]  = -s;
+    m[0] = c;
+    m[8] = s;
+    m[5] = 1.0f;
+    m[2] = -s;
     m[10] = c;
     m[12] = -(c * v->eye[0] + s * v->eye[2]);
     m[13] = -v->eye[1];
@@ -188,14 +189,14 @@ static void projection_matrix(const fixture_view* v, float aspect, float m[16]) 
     memset(m, 0, sizeof(float) * 16);
     if (v->fov > 0.0f) {
         const double scale = 1.0 / tan(v->fov * 3.14159265358979 / 360.0);
-        m[0]  = (float)(scale / aspect);
-        m[5]  = (float)scale;
+        m[0] = (float)(scale / aspect);
+        m[5] = (float)scale;
         m[10] = (float)(f > 0.0 ? (n * at_near - f * at_far) / (f - n) : -at_far);
         m[14] = (float)(f > 0.0 ? n * f * (at_near - at_far) / (f - n) : n * (at_near - at_far));
         m[11] = -1.0f;
     } else {
-        m[0]  = 1.0f / (6.0f * aspect);
-        m[5]  = 1.0f / 6.0f;
+        m[0] = 1.0f / (6.0f * aspect);
+        m[5] = 1.0f / 6.0f;
         m[10] = (float)((at_near - at_far) / (f - n));
         m[14] = (float)((at_near * f - at_far * n) / (f - n));
         m[15] = 1.0f;
@@ -215,9 +216,9 @@ dgb_view fixture_dgb_view(const fixture_view* v, int width, int height) {
 
 static GLuint compile(GLenum stage, const char* prefix, const char* body) {
     const char* text[2];
-    GLuint      shader = glCreateShader(stage);
-    GLint       ok     = 0;
-    char        log[2048];
+    GLuint shader = glCreateShader(stage);
+    GLint ok = 0;
+    char log[2048];
     text[0] = prefix;
     text[1] = body;
     glShaderSource(shader, 2, text, NULL);
@@ -251,11 +252,11 @@ static const char fragment_body[] =
 
 GLuint fixture_program(const dgb_context* context) {
     static const dgbgl_varying varyings[] = {{NULL, "vec3", "v_normal"}, {NULL, "vec3", "v_color"}};
-    static char                prefix[1 << 16];
-    GLuint                     program = glCreateProgram();
-    GLuint                     shaders[3];
-    GLint                      ok = 0;
-    int                        count = 0, i;
+    static char prefix[1 << 16];
+    GLuint program = glCreateProgram();
+    GLuint shaders[3];
+    GLint ok = 0;
+    int count = 0, i;
     if (!dgbgl_shader_prefix(context, DGBGL_VERTEX, varyings, 2, prefix, sizeof prefix)) return 0;
     shaders[count++] = compile(GL_VERTEX_SHADER, prefix, vertex_body);
     if (dgbgl_geometry_shader(context, varyings, 2, prefix, sizeof prefix))
@@ -288,7 +289,7 @@ static void set_offset(GLuint program, const char* name, float x) {
 
 void fixture_draw(void* user, const dgb_draw* draw) {
     const fixture_draw_user* u = (const fixture_draw_user*)user;
-    fixture*                 f = u->f;
+    fixture* f = u->f;
     ++f->draws;
     if (u->nothing) return;
     glUseProgram(u->program);
@@ -307,10 +308,11 @@ void fixture_draw(void* user, const dgb_draw* draw) {
 
 /* >> reading */
 
-float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format, int channels) {
+float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
+                    int channels) {
     const GLenum target = layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
-    const size_t image  = (size_t)width * (size_t)height * (size_t)channels;
-    float*       all    = (float*)malloc(image * (size_t)(layers ? layers : 1) * sizeof(float));
+    const size_t image = (size_t)width * (size_t)height * (size_t)channels;
+    float* all = (float*)malloc(image * (size_t)(layers ? layers : 1) * sizeof(float));
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glBindTexture(target, dgbgl_texture_name(texture));
     glGetTexImage(target, level, format, GL_FLOAT, all);

@@ -10,45 +10,46 @@
 #include <epoxy/gl.h>
 
 typedef struct fixture {
-    headless      window;
+    headless window;
     dgbgl_backend gl;
-    int           messages; /* KHR_debug messages above notification so far */
-    GLuint        vertices, vertex_array;
-    int           static_count, moving_count; /* vertices of the room, then of the moving box */
-    float         offsets[4]; /* of the moving box, m: two frames before the view's, one before, at it, one after */
-    int           draws;                      /* draw callbacks so far */
+    int messages; /* KHR_debug messages above notification so far */
+    GLuint vertices, vertex_array;
+    int static_count, moving_count; /* vertices of the room, then of the moving box */
+    float offsets[4]; /* of the moving box, m: two frames before the view's, one before, at it, one after */
+    int draws;        /* draw callbacks so far */
 } fixture;
 
 typedef struct fixture_view { /* where the camera is; `fixture_default_view` stands in the room */
-    float     eye[3], yaw;
-    float     fov; /* vertical, degrees; 0: orthographic, 12 m high */
-    float     near_plane, far_plane; /* far 0: infinite (reversed only) */
-    bool      reversed;
-    dgb_clip  clip;
-    float     jitter[2];
+    float eye[3], yaw;
+    float fov;                   /* vertical, degrees; 0: orthographic, 12 m high */
+    float near_plane, far_plane; /* far 0: infinite (reversed only) */
+    bool reversed;
+    dgb_clip clip;
+    float jitter[2];
 } fixture_view;
 
 /* 0 when it works: a GL core (or ES) context of the version, current; the scene uploaded. Prints why not. */
-int  fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
+int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
 void fixture_close(fixture* f);
 
 fixture_view fixture_default_view(void);
-dgb_view     fixture_dgb_view(const fixture_view* v, int width, int height);
+dgb_view fixture_dgb_view(const fixture_view* v, int width, int height);
 
 /* Links the fixture's material program for a context; 0 and a printed log when it fails. */
 GLuint fixture_program(const dgb_context* context);
 
 typedef struct fixture_draw_user {
     fixture* f;
-    GLuint   program;
-    bool     nothing; /* draw nothing */
+    GLuint program;
+    bool nothing; /* draw nothing */
 } fixture_draw_user;
 
 /* The draw callback; user is a fixture_draw_user. */
 void fixture_draw(void* user, const dgb_draw* draw);
 
 /* Texel data of a texture, as floats; `layer` of an array, `level` of the chain. Caller frees. */
-float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format, int channels);
+float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
+                    int channels);
 
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);

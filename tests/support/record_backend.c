@@ -90,8 +90,8 @@ static void compare_lines(const char* path, const char* expected, const char* ac
         const size_t a = line_length(expected), b = line_length(actual);
         if (actual[0] == '=') heading = actual;
         if (a != b || memcmp(expected, actual, a) != 0)
-            fail_msg("%s:%d: under \"%.*s\"\n  expected: %.*s\n  actual:   %.*s", path, line,
-                     (int)line_length(heading), heading, (int)a, expected, (int)b, actual);
+            fail_msg("%s:%d: under \"%.*s\"\n  expected: %.*s\n  actual:   %.*s", path, line, (int)line_length(heading),
+                     heading, (int)a, expected, (int)b, actual);
     }
 }
 
@@ -257,14 +257,13 @@ static void check_target(record_backend* r, const dgb_target* target, const dgb_
     const dgb_texture_desc* t = &find_alive(r, target->texture.id, false, "pass_begin")->texture;
     const char* name = dgb_slot_name(t->slot);
     if (target->level < 0 || target->level >= t->levels) fail_msg("%s has no level %d", name, target->level);
-    if (target->layer < -1 || target->layer >= (t->layers ? t->layers : 1) ||
-        (target->layer < 0 && !t->layers))
+    if (target->layer < -1 || target->layer >= (t->layers ? t->layers : 1) || (target->layer < 0 && !t->layers))
         fail_msg("%s has no layer %d", name, target->layer);
     if (pass->x < 0 || pass->y < 0 || !(pass->width > 0.0f) || !(pass->height > 0.0f) ||
         (float)pass->x + pass->width > (float)(t->width >> target->level) ||
         (float)pass->y + pass->height > (float)(t->height >> target->level))
-        fail_msg("viewport %d %d %g %g leaves %s@%d", pass->x, pass->y, (double)pass->width,
-                 (double)pass->height, name, target->level);
+        fail_msg("viewport %d %d %g %g leaves %s@%d", pass->x, pass->y, (double)pass->width, (double)pass->height, name,
+                 target->level);
 }
 
 static void on_pass_begin(void* user, const dgb_pass* pass) {
@@ -272,8 +271,7 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
     int i;
     check_in_frame(r, "pass_begin");
     if (r->in_pass) fail_msg("pass %s inside of a pass", dgb_pass_name(pass->id));
-    if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS)
-        fail_msg("%d targets", pass->color_count);
+    if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS) fail_msg("%d targets", pass->color_count);
     r->in_pass = true;
     r->pass = *pass;
     r->bind_count = 0;
@@ -362,8 +360,7 @@ static void on_draw_fullscreen(void* user, dgb_program program) {
     if (!r->in_pass) fail_msg("draw_fullscreen of program %u outside of a pass", (unsigned)program.id);
     object = find_alive(r, program.id, true, "draw_fullscreen");
     if (object->program.pass != r->pass.id)
-        fail_msg("pass %s draws with a program of %s", dgb_pass_name(r->pass.id),
-                 dgb_pass_name(object->program.pass));
+        fail_msg("pass %s draws with a program of %s", dgb_pass_name(r->pass.id), dgb_pass_name(object->program.pass));
     record_printf(&r->trace, " draw ");
     record_print_program(&r->trace, &object->program);
     record_printf(&r->trace, "\n");

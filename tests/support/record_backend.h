@@ -78,8 +78,8 @@ typedef struct record_backend {
 
 /* A device that can do everything. */
 void record_start(record_backend* r);
-void record_stop(record_backend* r);  /* frees the trace */
-void record_clear(record_backend* r); /* forgets trace and uniforms, keeps the objects */
+void record_stop(record_backend* r);                        /* frees the trace */
+void record_clear(record_backend* r);                       /* forgets trace and uniforms, keeps the objects */
 void record_drop_callback(record_backend* r, int callback); /* 0..RECORD_CALLBACKS-1 becomes null */
 
 int record_alive(const record_backend* r); /* objects of the library that are alive */

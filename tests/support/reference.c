@@ -34,8 +34,7 @@ static float* copy_level(const float* from, int width, int height, int from_widt
         for (p[0] = 0; p[0] < width; ++p[0]) {
             copied_from(p, q);
             memcpy(to + (size_t)(p[1] * width + p[0]) * (size_t)channels,
-                   from + (size_t)(q[1] * from_width + q[0]) * (size_t)channels,
-                   (size_t)channels * sizeof(float));
+                   from + (size_t)(q[1] * from_width + q[0]) * (size_t)channels, (size_t)channels * sizeof(float));
         }
     return to;
 }
@@ -47,9 +46,8 @@ static void make_chain(const reference* r, const float* level0, int channels, fl
     chain[0] = (float*)malloc(size);
     memcpy(chain[0], level0, size);
     for (level = 1; level < r->levels; ++level)
-        chain[level] =
-            copy_level(chain[level - 1], reference_size(r->width, level), reference_size(r->height, level),
-                       reference_size(r->width, level - 1), channels);
+        chain[level] = copy_level(chain[level - 1], reference_size(r->width, level), reference_size(r->height, level),
+                                  reference_size(r->width, level - 1), channels);
 }
 
 void reference_open(reference* r, const dgb_context* context, const float* z, const float* normals,
@@ -60,8 +58,7 @@ void reference_open(reference* r, const dgb_context* context, const float* z, co
     r->height = context->plan.height;
     r->layers = context->plan.layers < DGB_MAX_SHADED_LAYERS ? context->plan.layers : DGB_MAX_SHADED_LAYERS;
     r->levels = 1;
-    while (r->levels < DGB_MAX_LEVELS && reference_size(r->width, r->levels) &&
-           reference_size(r->height, r->levels))
+    while (r->levels < DGB_MAX_LEVELS && reference_size(r->width, r->levels) && reference_size(r->height, r->levels))
         ++r->levels;
     for (i = 0; i < 16; ++i) r->projection[i] = (double)context->drawn.projection[i];
     r->camera = context->camera;
@@ -151,8 +148,7 @@ static int clamped_pixel(float position, int size) {
     return (int)(position < 0.0f ? 0.0f : position > last ? last : position);
 }
 
-static place tap_place(const reference* r, int x, int y, int i, int count, float reach, int log2_q,
-                       int min_level) {
+static place tap_place(const reference* r, int x, int y, int i, int count, float reach, int log2_q, int min_level) {
     float tap[3], turn[2], h, c, s;
     int hash = dgb_pixel_hash(x, y, 0), last = r->levels - 1, axis, step;
     const int size[2] = {r->width, r->height};
@@ -188,8 +184,7 @@ static float reach_of(const reference* r, double z, float radius) {
 /* >> ambient occlusion */
 
 /* Equation 2, and what floats may be off in it. */
-static double occlusion_term(const double v[3], const double n[3], const dgb_params* q, double v_error,
-                             double* error) {
+static double occlusion_term(const double v[3], const double n[3], const dgb_params* q, double v_error, double* error) {
     const double r = (double)q->ao_radius, d2 = dot(v, v), length = sqrt(d2 + (double)q->ao_epsilon * r * r);
     const double falloff = 1.0 - d2 / (r * r), cosine = (dot(v, n) - (double)q->ao_bias * r) / length;
     const double falloff_error = 2.0 * sqrt(d2) * v_error / (r * r) + 4.0 * REFERENCE_EPSILON;
@@ -231,8 +226,7 @@ reference_ao reference_occlusion(const reference* r, const dgb_params* q, int x,
     point_at(r, here.pixel, z, point);
     normal_at(r, &here, 0, n);
     for (i = 0; i < q->ao_samples; ++i) {
-        const place tap =
-            tap_place(r, x, y, i, q->ao_samples, (float)ao.reach, DGB_AO_LOG2_Q, q->ao_min_level);
+        const place tap = tap_place(r, x, y, i, q->ao_samples, (float)ao.reach, DGB_AO_LOG2_Q, q->ao_min_level);
         if (tap.pixel[0] == x && tap.pixel[1] == y) continue;
         ao.sum += occlusion_tap(r, q, &tap, point, n, &error);
         ao.error += error;
@@ -258,16 +252,15 @@ typedef struct sender {   /* one surface under a tap */
 } sender;
 
 /* Whether the cosine counts (Equations 4 and 5), with the three comparisons that rounding may turn. */
-static void judge_sender(sender* s, const double v[3], const double n_x[3], const double n_y[3],
-                         const dgb_params* q, double v_error) {
+static void judge_sender(sender* s, const double v[3], const double n_x[3], const double n_y[3], const dgb_params* q,
+                         double v_error) {
     const double d2 = dot(v, v), length = sqrt(d2), r2 = (double)q->radius * (double)q->radius;
     const double slack = 2.0 * v_error + 4.0 * REFERENCE_EPSILON * length, facing = dot(v, n_y),
                  ahead = dot(v, n_x) - (double)DGB_MIN_COSINE * length;
     const double d2_slack = 2.0 * length * v_error + 4.0 * REFERENCE_EPSILON * d2;
     /* with one normal for both the same number cannot be above and below 0 */
     const bool same = n_x[0] == n_y[0] && n_x[1] == n_y[1] && n_x[2] == n_y[2];
-    const bool out_surely =
-        d2 > r2 + d2_slack || ahead < -slack || (q->normal_test && (same || facing > slack));
+    const bool out_surely = d2 > r2 + d2_slack || ahead < -slack || (q->normal_test && (same || facing > slack));
     const bool in_surely = d2 < r2 - d2_slack && ahead > slack && (!q->normal_test || facing < -slack);
     if (out_surely || length == 0.0) return;
     s->cosine = above_zero(dot(v, n_x) / length);
@@ -276,8 +269,8 @@ static void judge_sender(sender* s, const double v[3], const double n_x[3], cons
     s->unsure = !in_surely && !s->doubtful;
 }
 
-static sender sender_at(const reference* r, const dgb_params* q, const place* tap, int layer,
-                        const double x[3], const double n_x[3]) {
+static sender sender_at(const reference* r, const dgb_params* q, const place* tap, int layer, const double x[3],
+                        const double n_x[3]) {
     const double z = z_at(r, tap, layer);
     const float* b = r->radiance[layer][tap->level] + index_of(r, tap) * 3;
     sender s;
@@ -374,8 +367,7 @@ reference_light reference_irradiance(const reference* r, const dgb_params* q, dg
     point_at(r, here.pixel, z, point);
     normal_at(r, &here, 0, n);
     for (i = 0; i < q->samples; ++i) {
-        const place tap =
-            tap_place(r, x, y, i, q->samples, reach_of(r, z, q->radius), DGB_GATHER_LOG2_Q, q->min_level);
+        const place tap = tap_place(r, x, y, i, q->samples, reach_of(r, z, q->radius), DGB_GATHER_LOG2_Q, q->min_level);
         sender under[2];
         if (tap.pixel[0] == x && tap.pixel[1] == y) continue;
         for (layer = 0; layer < r->layers; ++layer) under[layer] = sender_at(r, q, &tap, layer, point, n);
@@ -388,10 +380,8 @@ reference_light reference_irradiance(const reference* r, const dgb_params* q, dg
 /* >> reconstruction */
 
 /* Product of normal and plane weight, and what floats may be off in it. */
-static double bilateral(const reference* r, const dgb_params* q, const place* a, const place* b,
-                        double* error) {
-    const double z_a = z_at(r, a, 0), z_b = z_at(r, b, 0),
-                 v_error = point_error(r, z_a) + point_error(r, z_b);
+static double bilateral(const reference* r, const dgb_params* q, const place* a, const place* b, double* error) {
+    const double z_a = z_at(r, a, 0), z_b = z_at(r, b, 0), v_error = point_error(r, z_a) + point_error(r, z_b);
     double x[3], y[3], dq[3], n[3], n2[3], length, off, normal, plane, plane_error;
     point_at(r, a->pixel, z_a, x);
     point_at(r, b->pixel, z_b, y);
@@ -402,10 +392,8 @@ static double bilateral(const reference* r, const dgb_params* q, const place* a,
     off = larger(fabs(dot(dq, n)), fabs(dot(dq, n2)));
     normal = above_zero(1.0 - (double)q->normal_sharpness * (1.0 - dot(n, n2)));
     plane = length > 0.0 ? above_zero(1.0 - (double)q->plane_sharpness * off / length) : 1.0;
-    plane_error =
-        length > 0.0 ? (double)q->plane_sharpness * (2.0 * v_error / length + 4.0 * REFERENCE_EPSILON) : 0.0;
-    *error = (2.0 * plane + plane_error) * plane_error +
-             8.0 * REFERENCE_EPSILON * (double)q->normal_sharpness * plane;
+    plane_error = length > 0.0 ? (double)q->plane_sharpness * (2.0 * v_error / length + 4.0 * REFERENCE_EPSILON) : 0.0;
+    *error = (2.0 * plane + plane_error) * plane_error + 8.0 * REFERENCE_EPSILON * (double)q->normal_sharpness * plane;
     return normal * plane * plane;
 }
 
@@ -420,12 +408,10 @@ static neighbour neighbour_at(const reference* r, const dgb_params* q, const pla
     const int side = q->filter_taps / 2;
     const double sigma = 0.5 * side;
     const int step = i * q->filter_step;
-    const place there =
-        place_of(here->pixel[0] + (axis == 0 ? step : 0), here->pixel[1] + (axis == 1 ? step : 0));
+    const place there = place_of(here->pixel[0] + (axis == 0 ? step : 0), here->pixel[1] + (axis == 1 ? step : 0));
     neighbour n = {0.0, 0.0, NULL};
     double spatial;
-    if (there.pixel[0] < rect[0] || there.pixel[1] < rect[1] || there.pixel[0] > rect[2] ||
-        there.pixel[1] > rect[3])
+    if (there.pixel[0] < rect[0] || there.pixel[1] < rect[1] || there.pixel[0] > rect[2] || there.pixel[1] > rect[3])
         return n;
     if (z_at(r, &there, 0) == 0.0) return n;
     spatial = exp(-0.5 * i * i / (sigma * sigma));
@@ -435,9 +421,8 @@ static neighbour neighbour_at(const reference* r, const dgb_params* q, const pla
 }
 
 /* All taps of one direction; the centre weighs 1. Returns how many. */
-static int neighbours_of(const reference* r, const dgb_params* q, const place* here, int axis,
-                         const int rect[4], const float* image, int channels,
-                         neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1]) {
+static int neighbours_of(const reference* r, const dgb_params* q, const place* here, int axis, const int rect[4],
+                         const float* image, int channels, neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1]) {
     const int side = z_at(r, here, 0) == 0.0 ? 0 : q->filter_taps / 2, stride = axis == 0 ? 1 : r->width;
     const int centre = here->pixel[1] * r->width + here->pixel[0];
     int i;
@@ -466,8 +451,7 @@ reference_filtered reference_reconstruct(const reference* r, const dgb_params* q
             if (taps[i].texel) out.value[c] += taps[i].weight * (double)taps[i].texel[c] / total;
         out.error[c] = 16.0 * REFERENCE_EPSILON * fabs(out.value[c]);
         for (i = 0; i < count; ++i)
-            if (taps[i].texel)
-                out.error[c] += taps[i].error * fabs((double)taps[i].texel[c] - out.value[c]) / total;
+            if (taps[i].texel) out.error[c] += taps[i].error * fabs((double)taps[i].texel[c] - out.value[c]) / total;
     }
     return out;
 }

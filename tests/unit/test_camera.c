@@ -48,8 +48,8 @@ static double random_in(uint64_t* state, double low, double high) { /* splitmix6
 typedef struct lens {
     bool orthographic, reversed, infinite;
     dgb_clip clip;
-    double near, far;     /* m */
-    double slope, aspect; /* half height at distance 1, or half height (m) if orthographic; width / height */
+    double near, far;        /* m */
+    double slope, aspect;    /* half height at distance 1, or half height (m) if orthographic; width / height */
     double shift_x, shift_y; /* off-centre, in half widths and heights */
     int width, height, guard;
     float jitter[2];
@@ -57,11 +57,10 @@ typedef struct lens {
 
 static const char* lens_name(const lens* e) {
     static char name[200];
-    snprintf(name, sizeof name,
-             "%s %s %s, clip %s, near %g, far %g, slope %g, aspect %g, shift %g %g, %dx%d+%d",
+    snprintf(name, sizeof name, "%s %s %s, clip %s, near %g, far %g, slope %g, aspect %g, shift %g %g, %dx%d+%d",
              e->orthographic ? "orthographic" : "perspective", e->reversed ? "reversed" : "standard",
-             e->infinite ? "infinite" : "finite", e->clip == DGB_CLIP_ZERO_TO_ONE ? "[0,1]" : "[-1,1]",
-             e->near, e->far, e->slope, e->aspect, e->shift_x, e->shift_y, e->width, e->height, e->guard);
+             e->infinite ? "infinite" : "finite", e->clip == DGB_CLIP_ZERO_TO_ONE ? "[0,1]" : "[-1,1]", e->near, e->far,
+             e->slope, e->aspect, e->shift_x, e->shift_y, e->width, e->height, e->guard);
     return name;
 }
 
@@ -93,13 +92,11 @@ static void fill_projection(const lens* e, float p[16]) {
     fill_depth_rows(e, p);
 }
 
-static const double slopes[] = {
-    8.7266e-4 /* 0.1 degrees */, 0.0087, 0.2, 0.5774, 1.0, 5.671, 114.59 /* 179 degrees */};
+static const double slopes[] = {8.7266e-4 /* 0.1 degrees */, 0.0087, 0.2, 0.5774, 1.0, 5.671, 114.59 /* 179 degrees */};
 static const double aspects[] = {1e-3, 0.5, 1.0, 16.0 / 9.0, 1e3};
 
-static const lens base = {
-    false, false, false,       DGB_CLIP_NEGATIVE_ONE_TO_ONE, 0.1, 100.0, 1.0, 1.0, 0.0, 0.0, 640,
-    360,   0,     {0.0f, 0.0f}};
+static const lens base = {false, false, false,       DGB_CLIP_NEGATIVE_ONE_TO_ONE, 0.1, 100.0, 1.0, 1.0, 0.0, 0.0, 640,
+                          360,   0,     {0.0f, 0.0f}};
 
 /* The n-th of all combinations; false after the last. */
 static bool nth_lens(int n, lens* e) {
@@ -107,8 +104,7 @@ static bool nth_lens(int n, lens* e) {
     static const double shifts[][2] = {{0.0, 0.0}, {0.31, -0.17}, {-2.5, 4.0}};
     static const int sizes[][3] = {{1280, 720, 64}, {1, 1, 0}, {16000, 9, 192}, {333, 777, 0}};
     *e = base;
-    e->orthographic = n & 1, e->reversed = n >> 1 & 1, e->infinite = n >> 2 & 1,
-    e->clip = (dgb_clip)(n >> 3 & 1);
+    e->orthographic = n & 1, e->reversed = n >> 1 & 1, e->infinite = n >> 2 & 1, e->clip = (dgb_clip)(n >> 3 & 1);
     n >>= 4;
     e->slope = slopes[n % 7], n /= 7;
     e->aspect = aspects[n % 5], n /= 5;
@@ -127,8 +123,7 @@ static void make_camera(const lens* e, float p[16], dgb_camera* camera) {
     dgb_result result;
     fill_projection(e, image);
     dgb_widen_projection(image, e->width, e->height, e->guard, e->jitter, p);
-    result = dgb_camera_from_matrix(p, e->width + 2 * e->guard, e->height + 2 * e->guard, e->clip,
-                                    e->reversed, camera);
+    result = dgb_camera_from_matrix(p, e->width + 2 * e->guard, e->height + 2 * e->guard, e->clip, e->reversed, camera);
     if (result != DGB_OK) fail_msg("refused: %s", lens_name(e));
 }
 
@@ -159,8 +154,8 @@ static long double linear_z_bound(const lens* e, const float p[16], long double 
 /* >> linear depth */
 
 static void fail_z(const lens* e, float depth, float z, long double expected, long double bound) {
-    fail_msg("%s: depth %.9g gives z %.9g, not %.9Lg within %.3Lg", lens_name(e), (double)depth, (double)z,
-             expected, bound);
+    fail_msg("%s: depth %.9g gives z %.9g, not %.9Lg within %.3Lg", lens_name(e), (double)depth, (double)z, expected,
+             bound);
 }
 
 /* Both ways to be right: the inverse of that very depth, and the z that went in, give or take one step of the
@@ -196,8 +191,7 @@ static void test_linear_z(void** state) {
         make_camera(&e, p, &camera);
         for (i = 0; i < 40; ++i) {
             const double far = e.infinite ? e.near * 1e6 : e.far;
-            check_linear_z(&e, p, &camera,
-                           -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.001, 0.999))));
+            check_linear_z(&e, p, &camera, -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.001, 0.999))));
         }
     }
 }
@@ -216,11 +210,9 @@ static void test_linear_z_of_the_far_plane(void** state) {
         z = dgb_linear_z(from_bits(0x7fc00000u), &camera);
         if (!is_finite(z) || z != 0.0f) fail_msg("%s: NaN gives %g", lens_name(&e), (double)z);
         z = dgb_linear_z(from_bits(0x7f800000u), &camera);
-        if (!is_finite(z) || (!e.orthographic && z > 0.0f))
-            fail_msg("%s: infinity: %g", lens_name(&e), (double)z);
+        if (!is_finite(z) || (!e.orthographic && z > 0.0f)) fail_msg("%s: infinity: %g", lens_name(&e), (double)z);
         z = dgb_linear_z(from_bits(0xff800000u), &camera);
-        if (!is_finite(z) || (!e.orthographic && z > 0.0f))
-            fail_msg("%s: -infinity: %g", lens_name(&e), (double)z);
+        if (!is_finite(z) || (!e.orthographic && z > 0.0f)) fail_msg("%s: -infinity: %g", lens_name(&e), (double)z);
     }
 }
 
@@ -318,8 +310,7 @@ static void test_depth_code_rounds(void** state) {
     (void)state;
     for (k = 0; k < 2; ++k)
         for (i = 0; i < 100000; ++i) {
-            const float depth = (float)random_in(&seed, 0.0, 1.0),
-                        code = dgb_depth_code(depth, (float)codes[k]);
+            const float depth = (float)random_in(&seed, 0.0, 1.0), code = dgb_depth_code(depth, (float)codes[k]);
             const long double exact = (long double)code * codes[k], wanted = (long double)depth * codes[k];
             /* a code, and no farther than half a one; 2 U: the rounding of the product and of the quotient */
             if (!is_finite(code) || fabsl(exact - roundl(exact)) > 1.01L * U * codes[k] ||
@@ -335,8 +326,7 @@ static void test_depth_code_leaves_the_rest(void** state) {
     size_t i, k;
     (void)state;
     for (i = 0; i < sizeof outside / sizeof outside[0]; ++i)
-        if (outside[i] != 0x3f800001u &&
-            bits_of(dgb_depth_code(from_bits(outside[i]), 65535.0f)) != outside[i])
+        if (outside[i] != 0x3f800001u && bits_of(dgb_depth_code(from_bits(outside[i]), 65535.0f)) != outside[i])
             fail_msg("%08x changed", outside[i]);
     for (k = 0; k < 2; ++k)
         for (i = 0; i < sizeof outside / sizeof outside[0]; ++i)
@@ -354,16 +344,15 @@ static void test_depth_code_leaves_the_rest(void** state) {
 /* The camera-space coordinate that lands on `pixel` at z, and the sizes of the terms it is the sum of. */
 static long double unproject(const float p[16], int axis, int size, long double pixel, long double z,
                              long double* terms) {
-    const long double ndc = 2.0L * pixel / size - 1.0L, w = (long double)p[11] * z + p[15],
-                      scale = p[axis * 5];
+    const long double ndc = 2.0L * pixel / size - 1.0L, w = (long double)p[11] * z + p[15], scale = p[axis * 5];
     *terms = ((2.0L * fabsl(pixel) / size + 1.0L) * fabsl(w) + fabsl((long double)p[8 + axis] * z) +
               fabsl((long double)p[12 + axis])) /
              fabsl(scale);
     return (ndc * w - (long double)p[8 + axis] * z - p[12 + axis]) / scale;
 }
 
-static void check_position(const lens* e, const float p[16], const dgb_camera* camera,
-                           const long double ndc[2], long double z) {
+static void check_position(const lens* e, const float p[16], const dgb_camera* camera, const long double ndc[2],
+                           long double z) {
     const int size[2] = {e->width + 2 * e->guard, e->height + 2 * e->guard};
     const float z_float = (float)z;
     float pixel[2], point[3];
@@ -383,8 +372,8 @@ static void check_position(const lens* e, const float p[16], const dgb_camera* c
                      (double)pixel[axis], (double)z_float, (double)point[axis], same, bound);
         /* and of the pixel and of z on the way in: each moves the point by at most U of the same terms */
         if (fabsl(point[axis] - true_point) > bound + 4.0L * U * terms)
-            fail_msg("%s: axis %d at z %.9g went round to %.9g from %.9Lg", lens_name(e), axis,
-                     (double)z_float, (double)point[axis], true_point);
+            fail_msg("%s: axis %d at z %.9g went round to %.9g from %.9Lg", lens_name(e), axis, (double)z_float,
+                     (double)point[axis], true_point);
     }
 }
 
@@ -401,8 +390,7 @@ static void test_position(void** state) {
         for (i = 0; i < 30; ++i) {
             const long double ndc[2] = {random_in(&seed, -1.0, 1.0), random_in(&seed, -1.0, 1.0)};
             const double far = e.infinite ? e.near * 1e6 : e.far;
-            check_position(&e, p, &camera, ndc,
-                           -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.0, 1.0))));
+            check_position(&e, p, &camera, ndc, -(long double)(e.near * pow(far / e.near, random_in(&seed, 0.0, 1.0))));
         }
     }
 }
@@ -431,8 +419,8 @@ static void test_project_and_reconstruct(void** state) {
             x = unproject(p, 0, width, pixel, z, &terms);
             dgb_position((float)pixel, 0.5f, back, &camera, point);
             if (fabsl(point[0] - x) > terms * (10.0L * U + 1.01L * fabsl((back - z) / z)))
-                fail_msg("%s: x %.9Lg at z %.9Lg came back as %.9g at %.9g", lens_name(&e), x, z,
-                         (double)point[0], (double)back);
+                fail_msg("%s: x %.9Lg at z %.9Lg came back as %.9g at %.9g", lens_name(&e), x, z, (double)point[0],
+                         (double)back);
         }
     }
 }
@@ -450,14 +438,12 @@ static void test_pixels_per_metre(void** state) {
         if (!exists(&e)) continue;
         make_camera(&e, p, &camera);
         for (i = 0; i < 5; ++i) {
-            const float z = (float)-random_in(&seed, e.near, e.far),
-                        pixels = dgb_pixels_per_metre(z, &camera);
+            const float z = (float)-random_in(&seed, e.near, e.far), pixels = dgb_pixels_per_metre(z, &camera);
             const long double w = (long double)p[11] * z + p[15];
-            const long double expected =
-                0.5L * (e.height + 2 * e.guard) * p[5] / w; /* pixels between y and y + 1 */
+            const long double expected = 0.5L * (e.height + 2 * e.guard) * p[5] / w; /* pixels between y and y + 1 */
             if (!is_finite(pixels) || fabsl(pixels - expected) > 4.0L * U * expected)
-                fail_msg("%s: %.9g pixels a metre at %.9g, not %.9Lg", lens_name(&e), (double)pixels,
-                         (double)z, expected);
+                fail_msg("%s: %.9g pixels a metre at %.9g, not %.9Lg", lens_name(&e), (double)pixels, (double)z,
+                         expected);
         }
     }
 }
@@ -476,8 +462,7 @@ static void test_pixels_per_metre_not_in_front(void** state) {
     }
     e.orthographic = true;
     make_camera(&e, p, &camera);
-    assert_true(fabsf(dgb_pixels_per_metre(3.0f, &camera) - 180.0f) <
-                1e-4f); /* an orthographic eye is nowhere */
+    assert_true(fabsf(dgb_pixels_per_metre(3.0f, &camera) - 180.0f) < 1e-4f); /* an orthographic eye is nowhere */
 }
 
 /* >> widening */
@@ -497,8 +482,7 @@ static void test_widening_against_the_formula(void** state) {
             const long double scaled = (long double)p[i] * size / total;
             const long double jitter = row < 2 ? 2.0L * e.jitter[row] / total * p[i - row + 3] : 0.0L;
             const long double exact = row < 2 ? scaled + jitter : p[i];
-            if (fabsl(widened[i] - exact) >
-                1.01L * U * fabsl(exact) + 1e-15L * (fabsl(scaled) + fabsl(jitter)))
+            if (fabsl(widened[i] - exact) > 1.01L * U * fabsl(exact) + 1e-15L * (fabsl(scaled) + fabsl(jitter)))
                 fail_msg("%s: element %d is %.9g, not %.9Lg", lens_name(&e), i, (double)widened[i], exact);
             if (row > 1 && bits_of(widened[i]) != bits_of(p[i])) fail_msg("%s: element %d", lens_name(&e), i);
         }
@@ -526,8 +510,7 @@ static void test_widening_moves_pixels(void** state) {
             const long double z = -random_in(&seed, e.near, e.far), pixel = random_in(&seed, 0.0, size);
             const long double w = (long double)p[11] * z + p[15];
             const long double x =
-                ((2.0L * pixel / size - 1.0L) * w - (long double)p[8 + axis] * z - p[12 + axis]) /
-                p[axis * 5];
+                ((2.0L * pixel / size - 1.0L) * w - (long double)p[8 + axis] * z - p[12 + axis]) / p[axis * 5];
             const long double wide = pixel_of(widened, axis, size + 2 * e.guard, x, z);
             const long double moved = pixel + e.guard + e.jitter[axis];
             if (fabsl(wide - moved) > 40.0L * U * (size + 2 * e.guard))
@@ -575,8 +558,7 @@ static void check_refusals(const lens* e) {
     size_t i;
     int element;
     for (element = 0; element < 16; ++element)
-        for (i = 0; i < 4; ++i)
-            check_refused_element(e, element, from_bits(not_finite[i]), "a value not finite");
+        for (i = 0; i < 4; ++i) check_refused_element(e, element, from_bits(not_finite[i]), "a value not finite");
     for (i = 0; i < 2; ++i) {
         check_refused_element(e, skew[i], 0.01f, "skew");
         check_refused_element(e, oblique[i], -0.01f, "an oblique near plane");
@@ -598,8 +580,7 @@ static void test_refusals(void** state) {
     for (n = 0; n < 16; ++n) {
         lens e = base, other;
         float p[16];
-        e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.infinite = n >> 2 & 1,
-        e.clip = (dgb_clip)(n >> 3 & 1);
+        e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.infinite = n >> 2 & 1, e.clip = (dgb_clip)(n >> 3 & 1);
         if (!exists(&e)) continue;
         check_refusals(&e);
         fill_projection(&e, p);

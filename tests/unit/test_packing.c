@@ -52,9 +52,7 @@ static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
     return (uint32_t)(z >> 32);
 }
 
-static float random_signed(uint64_t* state) {
-    return (float)((double)random_bits(state) / 2147483648.0 - 1.0);
-}
+static float random_signed(uint64_t* state) { return (float)((double)random_bits(state) / 2147483648.0 - 1.0); }
 
 /* >> Oct16 */
 
@@ -76,8 +74,7 @@ static long double round_trip_degrees(const float n[3]) {
 static long double check_round_trip(const float n[3]) {
     const long double error = round_trip_degrees(n);
     if (error > 0.957L + 1e-5L)
-        fail_msg("(%.9g, %.9g, %.9g) is off by %.6Lf degrees", (double)n[0], (double)n[1], (double)n[2],
-                 error);
+        fail_msg("(%.9g, %.9g, %.9g) is off by %.6Lf degrees", (double)n[0], (double)n[1], (double)n[2], error);
     return error;
 }
 
@@ -94,8 +91,7 @@ static void test_oct16_decode_every_code(void** state) {
         dgb_oct16_decode((uint16_t)same, m);
         length = sqrtl((long double)n[0] * n[0] + (long double)n[1] * n[1] + (long double)n[2] * n[2]);
         if (fabsl(length - 1.0L) > bound) fail_msg("code %04x: length %.10Lf", (unsigned)code, length);
-        if (!same_bits(n, m, sizeof n))
-            fail_msg("code %04x differs from %04x", (unsigned)code, (unsigned)same);
+        if (!same_bits(n, m, sizeof n)) fail_msg("code %04x differs from %04x", (unsigned)code, (unsigned)same);
     }
 }
 
@@ -112,8 +108,7 @@ static void test_oct16_codes_are_stable(void** state) {
         dgb_oct16_decode((uint16_t)code, n);
         again = dgb_oct16_encode(n);
         dgb_oct16_decode((uint16_t)again, m);
-        if (again != code && !border)
-            fail_msg("code %04x came back as %04x", (unsigned)code, (unsigned)again);
+        if (again != code && !border) fail_msg("code %04x came back as %04x", (unsigned)code, (unsigned)again);
         changed += again != code;
         if (fabsf(n[0] - m[0]) > 1e-6f || fabsf(n[1] - m[1]) > 1e-6f || fabsf(n[2] - m[2]) > 1e-6f)
             fail_msg("code %04x changed its direction to %04x", (unsigned)code, (unsigned)again);
@@ -135,8 +130,8 @@ static void test_oct16_axes_are_exact(void** state) {
                 for (component = 0; component < 3; ++component) {
                     const float expected = component == axis ? (float)side : 0.0f;
                     if (fabsf(d[component] - expected) > (FAST_MATH ? 2e-7f : 0.0f))
-                        fail_msg("axis %d, side %d, scale %g: component %d is %.9g", axis, side,
-                                 (double)scales[i], component, (double)d[component]);
+                        fail_msg("axis %d, side %d, scale %g: component %d is %.9g", axis, side, (double)scales[i],
+                                 component, (double)d[component]);
                 }
             }
 }
@@ -184,8 +179,7 @@ static void test_oct16_error(void** state) {
         float n[3];
         do {
             n[0] = random_signed(&seed), n[1] = random_signed(&seed), n[2] = random_signed(&seed);
-        } while (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 1.0f ||
-                 n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 1e-4f);
+        } while (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 1.0f || n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 1e-4f);
         sum += check_round_trip(n);
     }
     if (fabsl(sum / count - 0.3369L) > 0.002L) fail_msg("mean error %.5Lf degrees", sum / count);
@@ -206,8 +200,7 @@ static void test_oct16_rounds_to_nearest(void** state) {
             const long double folded = (1.0L - fabsl(p[1 - axis])) * (p[axis] < 0.0L ? -1.0L : 1.0L);
             const long double exact = 127.0L * (n[2] < 0.0f ? folded : p[axis]);
             if (fabsl(exact - q[axis]) > 0.5L + 1e-4L)
-                fail_msg("(%.9g, %.9g, %.9g): %d for %.6Lf", (double)n[0], (double)n[1], (double)n[2],
-                         q[axis], exact);
+                fail_msg("(%.9g, %.9g, %.9g): %d for %.6Lf", (double)n[0], (double)n[1], (double)n[2], q[axis], exact);
         }
     }
 }
@@ -318,8 +311,7 @@ static void test_both_normals_in_one_texel(void** state) {
         const float b[3] = {random_signed(&seed), random_signed(&seed), random_signed(&seed)};
         const uint32_t packed = dgb_pack_normals(a, b);
         float n[3], m[3], expected_n[3], expected_m[3];
-        if (packed != (dgb_oct16_encode(a) | (uint32_t)dgb_oct16_encode(b) << 16))
-            fail_msg("packed %08x", packed);
+        if (packed != (dgb_oct16_encode(a) | (uint32_t)dgb_oct16_encode(b) << 16)) fail_msg("packed %08x", packed);
         dgb_unpack_normals(packed, n, m);
         dgb_oct16_decode(dgb_oct16_encode(a), expected_n);
         dgb_oct16_decode(dgb_oct16_encode(b), expected_m);
@@ -375,8 +367,7 @@ enum { FORMAT_COUNT = 4 };
 /* The value of a finite code, by definition. */
 static double code_value(uint32_t code, int mantissa) {
     const int exponent = (int)(code >> mantissa), fraction = (int)(code & ((1u << mantissa) - 1u));
-    return exponent ? ldexp((1 << mantissa) + fraction, exponent - 15 - mantissa)
-                    : ldexp(fraction, -14 - mantissa);
+    return exponent ? ldexp((1 << mantissa) + fraction, exponent - 15 - mantissa) : ldexp(fraction, -14 - mantissa);
 }
 
 static void check_code(const small_float* f, uint32_t code) {
@@ -430,11 +421,9 @@ static void test_midpoints_round_to_even(void** state) {
     for (i = 0; i < FORMAT_COUNT; ++i)
         for (code = 0; code < formats[i].last; ++code) {
             const small_float* f = &formats[i];
-            const float middle =
-                (float)(0.5 * (code_value(code, f->mantissa) + code_value(code + 1, f->mantissa)));
+            const float middle = (float)(0.5 * (code_value(code, f->mantissa) + code_value(code + 1, f->mantissa)));
             const uint32_t u = bits_of(middle);
-            const uint32_t at = f->pack(middle), below = f->pack(from_bits(u - 1)),
-                           above = f->pack(from_bits(u + 1));
+            const uint32_t at = f->pack(middle), below = f->pack(from_bits(u - 1)), above = f->pack(from_bits(u + 1));
             if (at != code + (code & 1u)) fail_msg("%s: %.9g packs to %04x", f->name, (double)middle, at);
             if (below != code) fail_msg("%s: below %.9g packs to %04x", f->name, (double)middle, below);
             if (above != code + 1) fail_msg("%s: above %.9g packs to %04x", f->name, (double)middle, above);
@@ -458,8 +447,7 @@ static void test_pack_is_monotone_and_close(void** state) {
         uint32_t u, last = 0;
         for (u = 0; u <= 0x7f800000u; u += 1499u) {
             const uint32_t code = formats[i].pack(from_bits(u));
-            if (code < last || code > formats[i].last)
-                fail_msg("%s: %08x packs to %04x", formats[i].name, u, code);
+            if (code < last || code > formats[i].last) fail_msg("%s: %08x packs to %04x", formats[i].name, u, code);
             check_pack_error(&formats[i], from_bits(u));
             last = code;
         }
@@ -533,10 +521,9 @@ static void check_storable(uint32_t u) {
 }
 
 static void test_storable(void** state) {
-    static const uint32_t special[] = {0u,          0x80000000u, 1u,          0x80000001u, 0x7f800000u,
-                                       0xff800000u, 0x7f800001u, 0x7fc00000u, 0xffc00000u, 0x7fffffffu,
-                                       0xffffffffu, 0x7f7fffffu, 0xff7fffffu, 0x477bffffu, 0x477c0000u,
-                                       0x477c0001u, 0x3f800000u, 0xbf800000u};
+    static const uint32_t special[] = {0u,          0x80000000u, 1u,          0x80000001u, 0x7f800000u, 0xff800000u,
+                                       0x7f800001u, 0x7fc00000u, 0xffc00000u, 0x7fffffffu, 0xffffffffu, 0x7f7fffffu,
+                                       0xff7fffffu, 0x477bffffu, 0x477c0000u, 0x477c0001u, 0x3f800000u, 0xbf800000u};
     uint64_t seed = 7;
     size_t i;
     int r;

@@ -101,8 +101,7 @@ static int discrepancy_by_definition(int n, int turns) {
                     int count = 0;
                     for (i = first; i <= last; ++i)
                         count += (angle_of_tap(i, n, turns) - start + 2 * n) % (2 * n) <= width;
-                    if (2 * n * count - (last - first) * width > worst)
-                        worst = 2 * n * count - (last - first) * width;
+                    if (2 * n * count - (last - first) * width > worst) worst = 2 * n * count - (last - first) * width;
                 }
     return worst;
 }
@@ -122,18 +121,17 @@ static void test_turns_minimise_the_discrepancy(void** state) {
     (void)state;
     for (n = 1; n <= DGB_MAX_TAPS; ++n) {
         const int best = best_turns(n);
-        if (dgb_spiral_turns(n) != best)
-            fail_msg("n %d: %d turns, best are %d", n, dgb_spiral_turns(n), best);
+        if (dgb_spiral_turns(n) != best) fail_msg("n %d: %d turns, best are %d", n, dgb_spiral_turns(n), best);
     }
 }
 
 /* Listing 3 of the paper, as printed; 29 for 99 is what its Figure 7 was made with. */
 static void test_turns_as_published(void** state) {
-    static const int listing[] = {
-        1,  1,  2,  3,  2,  5,  2,  3,  2,  3,  3,  5,  5,  3,  4,  7,  5,  5,  7,  9,  8,  5,  5,  7,  7,
-        7,  8,  5,  8,  11, 12, 7,  10, 13, 8,  11, 8,  7,  14, 11, 11, 13, 12, 13, 19, 17, 13, 11, 18, 19,
-        11, 11, 14, 17, 21, 15, 16, 17, 18, 13, 17, 11, 17, 19, 18, 25, 18, 19, 19, 29, 21, 19, 27, 31, 29,
-        21, 18, 17, 29, 31, 31, 23, 18, 25, 26, 25, 23, 19, 34, 19, 27, 21, 25, 39, 29, 17, 21, 27};
+    static const int listing[] = {1,  1,  2,  3,  2,  5,  2,  3,  2,  3,  3,  5,  5,  3,  4,  7,  5,  5,  7,  9,
+                                  8,  5,  5,  7,  7,  7,  8,  5,  8,  11, 12, 7,  10, 13, 8,  11, 8,  7,  14, 11,
+                                  11, 13, 12, 13, 19, 17, 13, 11, 18, 19, 11, 11, 14, 17, 21, 15, 16, 17, 18, 13,
+                                  17, 11, 17, 19, 18, 25, 18, 19, 19, 29, 21, 19, 27, 31, 29, 21, 18, 17, 29, 31,
+                                  31, 23, 18, 25, 26, 25, 23, 19, 34, 19, 27, 21, 25, 39, 29, 17, 21, 27};
     int n;
     (void)state;
     assert_int_equal(sizeof listing / sizeof listing[0], 98);
@@ -165,8 +163,7 @@ static void check_tap(int i, int n) {
         fail_msg("tap %d of %d points along (%.9g, %.9g)", i, n, (double)tap[0], (double)tap[1]);
     if (fabsl((long double)tap[0] * tap[0] + (long double)tap[1] * tap[1] - 1.0L) > 2.0L * FLOAT_ULP)
         fail_msg("tap %d of %d: no unit vector", i, n);
-    if (fabsl(tap[2] - kappa) > 0.51L * FLOAT_ULP * kappa)
-        fail_msg("tap %d of %d: kappa %.9g", i, n, (double)tap[2]);
+    if (fabsl(tap[2] - kappa) > 0.51L * FLOAT_ULP * kappa) fail_msg("tap %d of %d: kappa %.9g", i, n, (double)tap[2]);
 }
 
 static void test_taps(void** state) {
@@ -212,8 +209,7 @@ static void test_taps_out_of_range(void** state) {
     for (k = 0; k < sizeof pairs / sizeof pairs[0]; ++k) {
         float tap[3] = {9.0f, 9.0f, 9.0f};
         dgb_spiral_tap(pairs[k][0], pairs[k][1], tap);
-        if (tap[0] != 1.0f || tap[1] != 0.0f || tap[2] != 0.0f)
-            fail_msg("tap %d of %d", pairs[k][0], pairs[k][1]);
+        if (tap[0] != 1.0f || tap[1] != 0.0f || tap[2] != 0.0f) fail_msg("tap %d of %d", pairs[k][0], pairs[k][1]);
     }
 }
 
@@ -229,8 +225,7 @@ static void test_rotations(void** state) {
         if (fabsl(all[i][0] - cosl(phi)) > FLOAT_ULP || fabsl(all[i][1] - sinl(phi)) > FLOAT_ULP)
             fail_msg("rotation %d is (%.9g, %.9g)", i, (double)all[i][0], (double)all[i][1]);
         for (j = 0; j < i; ++j)
-            if (all[i][0] == all[j][0] && all[i][1] == all[j][1])
-                fail_msg("rotations %d and %d are one", i, j);
+            if (all[i][0] == all[j][0] && all[i][1] == all[j][1]) fail_msg("rotations %d and %d are one", i, j);
     }
 }
 
@@ -259,8 +254,7 @@ static int hash_oracle(int x, int y, int frame) {
 }
 
 static void test_hash_is_exact_and_total(void** state) {
-    static const int values[] = {0,     1,     -1,      2,       255,     256,        16383,
-                                 16384, 65535, 1 << 30, INT_MAX, INT_MIN, INT_MIN + 1};
+    static const int values[] = {0, 1, -1, 2, 255, 256, 16383, 16384, 65535, 1 << 30, INT_MAX, INT_MIN, INT_MIN + 1};
     const size_t count = sizeof values / sizeof values[0];
     size_t i, j, k;
     (void)state;
@@ -343,8 +337,8 @@ static void check_level(float h, int log2_floor) {
         for (i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
             const int level = dgb_mip_level(h, log2_q, limits[i][0], limits[i][1]);
             if (level != clamp(log2_floor - log2_q, limits[i][0], limits[i][1]))
-                fail_msg("h %.9g, q 2^%d, limits %d, %d: level %d", (double)h, log2_q, limits[i][0],
-                         limits[i][1], level);
+                fail_msg("h %.9g, q 2^%d, limits %d, %d: level %d", (double)h, log2_q, limits[i][0], limits[i][1],
+                         level);
         }
 }
 
@@ -360,9 +354,8 @@ static void test_level_around_powers_of_two(void** state) {
 }
 
 static void test_level_of_anything(void** state) {
-    static const uint32_t low[] = {0u,          0x80000000u, 1u,          0x007fffffu,
-                                   0x80000001u, 0x7fc00000u, 0xffc00000u, 0x7f800001u,
-                                   0xff800001u, 0xff800000u, 0xff7fffffu, 0xc4000000u};
+    static const uint32_t low[] = {0u,          0x80000000u, 1u,          0x007fffffu, 0x80000001u, 0x7fc00000u,
+                                   0xffc00000u, 0x7f800001u, 0xff800001u, 0xff800000u, 0xff7fffffu, 0xc4000000u};
     static const uint32_t high[] = {0x7f800000u, 0x7f7fffffu, 0x60000000u};
     size_t i;
     (void)state;
@@ -392,11 +385,9 @@ static void check_chain(int width, int height) {
                 int source[2];
                 copied_from(p, source);
                 if (source[0] >= width >> (level - 1) || source[1] >= height >> (level - 1))
-                    fail_msg("%d x %d: level %d texel %d, %d copies from outside", width, height, level, x,
-                             y);
+                    fail_msg("%d x %d: level %d texel %d, %d copies from outside", width, height, level, x, y);
             }
-    if (!(width >> (levels - 1)) || !(height >> (levels - 1)))
-        fail_msg("%d x %d: an empty level", width, height);
+    if (!(width >> (levels - 1)) || !(height >> (levels - 1))) fail_msg("%d x %d: an empty level", width, height);
 }
 
 static void test_chains_need_no_clamping(void** state) {

@@ -170,8 +170,8 @@ static void test_ao_term(void** state) {
         expected = ao_oracle(v, n, inv_r2, beta, epsilon);
         /* both factors are differences of numbers up to 4: their rounding is absolute */
         if (!is_finite(term) || fabsl(term - expected) > 2e-6L)
-            fail_msg("v (%g, %g, %g), r %g: %.9g, not %.9Lg", (double)v[0], (double)v[1], (double)v[2],
-                     (double)r, (double)term, expected);
+            fail_msg("v (%g, %g, %g), r %g: %.9g, not %.9Lg", (double)v[0], (double)v[1], (double)v[2], (double)r,
+                     (double)term, expected);
     }
 }
 
@@ -190,11 +190,10 @@ static void test_ao_term_has_no_scale(void** state) {
         for (exponent = -20; exponent <= 20; exponent += 5) {
             float w[3], term;
             for (k = 0; k < 3; ++k) w[k] = ldexpf(v[k], exponent);
-            term = dgb_ao_term(w, n, ldexpf(1.0f, -2 * exponent), ldexpf(beta, exponent),
-                               ldexpf(0.001f, 2 * exponent));
+            term = dgb_ao_term(w, n, ldexpf(1.0f, -2 * exponent), ldexpf(beta, exponent), ldexpf(0.001f, 2 * exponent));
             if (bits_of(term) != bits_of(first))
-                fail_msg("v (%g, %g, %g) times 2^%d: %.9g, not %.9g", (double)v[0], (double)v[1],
-                         (double)v[2], exponent, (double)term, (double)first);
+                fail_msg("v (%g, %g, %g) times 2^%d: %.9g, not %.9g", (double)v[0], (double)v[1], (double)v[2],
+                         exponent, (double)term, (double)first);
         }
     }
 }
@@ -207,8 +206,7 @@ static void test_ao_term_ends_at_the_radius(void** state) {
     for (i = 10; i < 300; ++i) {
         const float d = (float)i / 100.0f;
         const float v[3] = {0.0f, 0.0f, d}, term = dgb_ao_term(v, n, 1.0f, 0.0f, 0.0f);
-        if (term > last || term < 0.0f || (d < 1.0f) != (term > 0.0f))
-            fail_msg("d %g: %g", (double)d, (double)term);
+        if (term > last || term < 0.0f || (d < 1.0f) != (term > 0.0f)) fail_msg("d %g: %g", (double)d, (double)term);
         last = term;
     }
 }
@@ -236,8 +234,8 @@ static void test_ao_term_is_total(void** state) {
         term = dgb_ao_term(v, m, inv_r2, beta, epsilon);
         if (!is_finite(term) || term < 0.0f)
             fail_msg("v %08x %08x %08x, n %08x %08x %08x, %08x %08x %08x: %g", bits_of(v[0]), bits_of(v[1]),
-                     bits_of(v[2]), bits_of(m[0]), bits_of(m[1]), bits_of(m[2]), bits_of(inv_r2),
-                     bits_of(beta), bits_of(epsilon), (double)term);
+                     bits_of(v[2]), bits_of(m[0]), bits_of(m[1]), bits_of(m[2]), bits_of(inv_r2), bits_of(beta),
+                     bits_of(epsilon), (double)term);
     }
 }
 
@@ -250,8 +248,7 @@ static void test_ao_term_of_nan(void** state) {
         for (i = 0; i < 3; ++i) {
             float v[3] = {0.1f, 0.2f, 0.3f}, n[3] = {0.0f, 0.0f, 1.0f};
             v[axis] = odd[i];
-            if (bits_of(dgb_ao_term(v, n, 1.0f, 0.02f, 0.001f)) << 1)
-                fail_msg("v[%d] = %g", axis, (double)odd[i]);
+            if (bits_of(dgb_ao_term(v, n, 1.0f, 0.02f, 0.001f)) << 1) fail_msg("v[%d] = %g", axis, (double)odd[i]);
             v[axis] = 0.1f;
             n[axis] = i ? 1.0f : not_a_number();
             if (!i && bits_of(dgb_ao_term(v, n, 1.0f, 0.02f, 0.001f)) << 1) fail_msg("n[%d] is NaN", axis);
@@ -268,8 +265,7 @@ static void check_flat_plane(const float normal[3], uint64_t* seed) {
     d = (float)dot(v, normal);
     for (i = 0; i < 3; ++i) v[i] -= d * normal[i];
     if (dgb_ao_term(v, stored, 1.0f, 0.02f, 0.001f) != 0.0f)
-        fail_msg("plane (%.9g, %.9g, %.9g) occludes itself", (double)normal[0], (double)normal[1],
-                 (double)normal[2]);
+        fail_msg("plane (%.9g, %.9g, %.9g) occludes itself", (double)normal[0], (double)normal[1], (double)normal[2]);
 }
 
 static void test_flat_planes_are_open(void** state) {
@@ -283,8 +279,7 @@ static void test_flat_planes_are_open(void** state) {
     }
     for (i = -100; i <= 100; ++i) /* around the middle of a face, where the code is coarsest */
         for (j = -100; j <= 100; ++j) {
-            const float x = 1.0f / 3.0f + (float)i / 6000.0f, y = 1.0f / 3.0f + (float)j / 6000.0f,
-                        z = 1.0f - x - y;
+            const float x = 1.0f / 3.0f + (float)i / 6000.0f, y = 1.0f / 3.0f + (float)j / 6000.0f, z = 1.0f - x - y;
             const float length = sqrtf(x * x + y * y + z * z), n[3] = {x / length, y / length, z / length};
             check_flat_plane(n, &seed);
         }
@@ -335,19 +330,17 @@ static void test_gather_term(void** state) {
         sends = d2 < r2 && cosine > DGB_MIN_COSINE && (!test || away < 0.0L);
         lit += sends;
         if (!is_finite(term) || fabsl(term - (sends ? cosine : 0.0L)) > 1e-6L)
-            fail_msg("v (%g, %g, %g), r %g, test %d: %.9g, cosine %.9Lg", (double)v[0], (double)v[1],
-                     (double)v[2], (double)r, test, (double)term, cosine);
+            fail_msg("v (%g, %g, %g), r %g, test %d: %.9g, cosine %.9Lg", (double)v[0], (double)v[1], (double)v[2],
+                     (double)r, test, (double)term, cosine);
     }
     assert_in_range(lit, 10000, 190000);
 }
 
 static void test_gather_term_edges(void** state) {
-    static const float zero[3] = {0.0f, 0.0f, 0.0f}, up[3] = {0.0f, 0.0f, 1.0f},
-                       down[3] = {0.0f, 0.0f, -1.0f};
+    static const float zero[3] = {0.0f, 0.0f, 0.0f}, up[3] = {0.0f, 0.0f, 1.0f}, down[3] = {0.0f, 0.0f, -1.0f};
     static const float side[3] = {1.0f, 0.0f, 0.0f};
     (void)state;
-    assert_true(bits_of(dgb_gather_term(zero, up, down, 1.0f, false)) ==
-                0u); /* the point itself sends nothing */
+    assert_true(bits_of(dgb_gather_term(zero, up, down, 1.0f, false)) == 0u); /* the point itself sends nothing */
     assert_true(bits_of(dgb_gather_term(zero, up, down, 1.0f, true)) == 0u);
     assert_true(fabsf(dgb_gather_term(up, up, down, 1.0f, true) - 1.0f) < 3e-7f); /* at the radius: inside */
     assert_true(dgb_gather_term(up, up, down, 0.999f, true) == 0.0f);
@@ -400,8 +393,7 @@ static void test_furnace(void** state) {
             sum += b * cosine;
         }
         e = sum * dgb_gather_scale(sum_cos, count, 1.0f);
-        if (!is_finite(e) || e > PI_F * b * 1.00001f)
-            fail_msg("%d senders of %g give %g", count, (double)b, (double)e);
+        if (!is_finite(e) || e > PI_F * b * 1.00001f) fail_msg("%d senders of %g give %g", count, (double)b, (double)e);
         if (sum_cos >= 0.5f * (float)count) {
             ++bright;
             if (fabsf(e - PI_F * b) > PI_F * b * 1e-5f)
@@ -423,16 +415,14 @@ static void test_gather_scale(void** state) {
         if (fabsf(dgb_gather_scale(0.9f * (float)count, count, 0.0f) - literal) > literal * 1e-6f)
             fail_msg("%d senders: Equation 4 gives %g", count,
                      (double)dgb_gather_scale(0.9f * (float)count, count, 0.0f));
-        if (fabsf(dgb_gather_scale(0.0f, count, 1.0f) - literal) > literal * 1e-6f)
-            fail_msg("%d dark senders", count);
+        if (fabsf(dgb_gather_scale(0.0f, count, 1.0f) - literal) > literal * 1e-6f) fail_msg("%d dark senders", count);
     }
 }
 
 /* >> boost */
 
 static void test_boost(void** state) {
-    static const float grey[3] = {0.5f, 0.5f, 0.5f}, black[3] = {0.0f, 0.0f, 0.0f},
-                       red[3] = {0.8f, 0.0f, 0.0f};
+    static const float grey[3] = {0.5f, 0.5f, 0.5f}, black[3] = {0.0f, 0.0f, 0.0f}, red[3] = {0.8f, 0.0f, 0.0f};
     static const float brick[3] = {0.8f, 0.4f, 0.2f}, negative[3] = {-1.0f, -2.0f, -3.0f};
     int i;
     (void)state;
@@ -496,8 +486,7 @@ static void test_weight_against_the_formula(void** state) {
         off = fmaxl(fabsl(dot(dq, n)), fabsl(dot(dq, m)));
         normal = max0(1.0L - s_n * (1.0L - dot(n, m)));
         plane = max0(1.0L - s_p * off / sqrtl(dot(dq, dq)));
-        if (!is_finite(weight) || fabsl(weight - normal * plane * plane) > 1e-5L || weight < 0.0f ||
-            weight > 1.00001f)
+        if (!is_finite(weight) || fabsl(weight - normal * plane * plane) > 1e-5L || weight < 0.0f || weight > 1.00001f)
             fail_msg("weight %.9g, not %.9Lg", (double)weight, normal * plane * plane);
         if (fabsf(weight - swapped) > 1e-6f)
             fail_msg("weight %.9g one way, %.9g the other", (double)weight, (double)swapped);
@@ -506,8 +495,7 @@ static void test_weight_against_the_formula(void** state) {
 
 /* Along a plane, however tilted, all weigh 1; across a step in depth, or at right angles, nothing does. */
 static void test_weight_of_planes_and_steps(void** state) {
-    static const float up[3] = {0.0f, 1.0f, 0.0f}, toward[3] = {0.0f, 0.0f, 1.0f},
-                       step[3] = {0.01f, 0.0f, -1.0f};
+    static const float up[3] = {0.0f, 1.0f, 0.0f}, toward[3] = {0.0f, 0.0f, 1.0f}, step[3] = {0.01f, 0.0f, -1.0f};
     static const float along[3] = {0.01f, 0.02f, 0.0f};
     uint64_t seed = 33;
     int i, k;
@@ -547,8 +535,7 @@ static void test_weight_is_total(void** state) {
 
 /* >> presets */
 
-static void check_preset(dgb_preset_id id, int samples, int taps, bool normal_test, int min_level,
-                         float guard) {
+static void check_preset(dgb_preset_id id, int samples, int taps, bool normal_test, int min_level, float guard) {
     const dgb_params p = dgb_preset(id);
     assert_int_equal(p.samples, samples);
     assert_int_equal(p.filter_taps, taps);
