@@ -1413,7 +1413,7 @@ static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pas
         if (radiance) dgbi_add_input(pass, DGB_RADIANCE);
         return;
     }
-    for (layer = 0; layer < d->layers; ++layer) {
+    for (layer = 0; layer < dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS); ++layer) {
         dgbi_add_input(pass, depth[layer]);
         if (d->normals != DGB_NORMALS_FROM_DEPTH) dgbi_add_input(pass, normal[layer]);
         if (radiance) dgbi_add_input(pass, light[layer]);

@@ -59,12 +59,14 @@ static void free_layers(built* b) {
     }
 }
 
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
 /* Texels that differ in anything. */
 static int count_differences(const built* a, const built* b) {
     int layer, target, i, count = 0;
     for (layer = 0; layer < a->layers; ++layer)
         for (i = 0; i < a->width * a->height; ++i) {
-            bool same = memcmp(&a->z[layer][i], &b->z[layer][i], sizeof(float)) == 0;
+            bool same = same_bits(&a->z[layer][i], &b->z[layer][i], sizeof(float));
             for (target = 0; target < 4; ++target) {
                 const size_t channels = (size_t)target_slots[target].channels;
                 same = same && memcmp(a->targets[layer][target] + (size_t)i * channels,
@@ -389,7 +391,7 @@ static void test_motion(void** state) {
         b[o] = build_frames(&s, 6);
     }
     for (o = 1; o < 3; ++o) {
-        const size_t image = (size_t)(b[0].width * b[0].height);
+        const size_t image = (size_t)b[0].width * (size_t)b[0].height;
         assert_memory_equal(b[o].z[0], b[0].z[0], image * sizeof(float));
         for (target = 0; target < 4; ++target)
             assert_memory_equal(b[o].targets[0][target], b[0].targets[0][target],
@@ -420,8 +422,9 @@ static void test_empty_scene(void** state) {
     assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
     assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
     b = read_layers(&c);
+    assert_int_equal(b.layers, 2);
     for (layer = 0; layer < 2; ++layer)
-        for (i = 0; i < b.width * b.height; ++i) {
+        for (i = 0; b.z[layer] && i < b.width * b.height; ++i) {
             assert_true(b.z[layer][i] == 0.0f);
             assert_true(b.targets[layer][0][i * 4] == 0.0f && b.targets[layer][2][i * 3] == 0.0f);
         }
