@@ -1402,22 +1402,23 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
 }
 
+static void dgbi_add_engine_inputs(const dgb_desc* d, bool radiance, dgb_slot depth, dgb_slot normal, dgb_slot light,
+                                   dgb_plan_pass* pass) {
+    dgbi_add_input(pass, depth);
+    if (d->normals != DGB_NORMALS_FROM_DEPTH) dgbi_add_input(pass, normal);
+    if (radiance) dgbi_add_input(pass, light);
+}
+
 static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pass* pass) {
-    static const dgb_slot depth[] = {DGB_ENGINE_DEPTH0, DGB_ENGINE_DEPTH1},
-                          normal[] = {DGB_ENGINE_NORMAL0, DGB_ENGINE_NORMAL1},
-                          light[] = {DGB_ENGINE_RADIANCE0, DGB_ENGINE_RADIANCE1};
-    int layer;
     if (d->source == DGB_SOURCE_BUILD) {
         dgbi_add_input(pass, DGB_DEPTH);
         dgbi_add_input(pass, DGB_NORMAL);
         if (radiance) dgbi_add_input(pass, DGB_RADIANCE);
         return;
     }
-    for (layer = 0; layer < dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS); ++layer) {
-        dgbi_add_input(pass, depth[layer]);
-        if (d->normals != DGB_NORMALS_FROM_DEPTH) dgbi_add_input(pass, normal[layer]);
-        if (radiance) dgbi_add_input(pass, light[layer]);
-    }
+    dgbi_add_engine_inputs(d, radiance, DGB_ENGINE_DEPTH0, DGB_ENGINE_NORMAL0, DGB_ENGINE_RADIANCE0, pass);
+    if (d->layers > 1)
+        dgbi_add_engine_inputs(d, radiance, DGB_ENGINE_DEPTH1, DGB_ENGINE_NORMAL1, DGB_ENGINE_RADIANCE1, pass);
 }
 
 static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radiance, int layers) {
