@@ -81,9 +81,10 @@ typedef struct dgbgl_desc {     /* 0 means default */
 typedef enum dgbgl_stage { DGBGL_VERTEX = 0, DGBGL_GEOMETRY, DGBGL_FRAGMENT } dgbgl_stage;
 
 typedef struct dgbgl_varying { /* one of the engine's own varyings */
-    const char* qualifier;     /* null, "flat", "noperspective", "centroid" */
-    const char* type;          /* "vec2" */
-    const char* name;          /* "v_uv"; must not start with dgb_ */
+    const char* qualifier;     /* null, "flat" (required for integers), "smooth", "noperspective", "centroid" */
+    const char* type;          /* "vec2": any float, int or uint scalar or vector, any float matrix */
+    const char* name;          /* "v_uv" or "v_weights[4]" (an array through a geometry shader needs OpenGL 4.3); must
+                                  not start with dgb_ or gl_ */
 } dgbgl_varying;
 
 /* Entry points. X(return type, name, arguments): required first, then those that may be missing. */
@@ -94,6 +95,7 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, GetIntegerv, (unsigned int, int*))                                                                 \
     X(void, GetInteger64i_v, (unsigned int, unsigned int, int64_t*))                                           \
     X(void, GetIntegeri_v, (unsigned int, unsigned int, int*))                                                 \
+    X(void, Finish, (void))                                                                                    \
     X(void, GetFloatv, (unsigned int, float*))                                                                 \
     X(void, Enable, (unsigned int))                                                                            \
     X(void, Disable, (unsigned int))                                                                           \
@@ -178,6 +180,7 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, PopDebugGroup, (void))                                                                               \
     X(void, GenQueries, (int, unsigned int*))                                                                    \
     X(void, DeleteQueries, (int, const unsigned int*))                                                           \
+    X(void, GetInteger64v, (unsigned int, int64_t*))                                                             \
     X(void, QueryCounter, (unsigned int, unsigned int))                                                          \
     X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                \
     X(void, GetQueryObjectui64v, (unsigned int, unsigned int, uint64_t*))
@@ -252,7 +255,8 @@ DGB_API dgb_texture dgbgl_texture(unsigned int name);
 DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
 
 /* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
-   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context.
+   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context, and,
+   with a message, for a varying that is not as dgbgl_varying says.
    `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
 DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
                                    int count, char* text, size_t capacity);
@@ -262,6 +266,25 @@ DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_var
 /* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID for
    what is no program or not linked. */
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
+
+typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions with */
+    const dgb_view* view;
+    const dgb_params* params;
+    bool (*prepare)(void* user, const dgb_context* context); /* makes the programs for a context; false: leave it out */
+    void (*release)(void* user);                             /* destroys them again; may be null */
+    dgb_draw_fn draw;
+    void* user;
+    int frames; /* timed for each emission; 0: 8 */
+} dgbgl_calibration;
+
+/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two glFinish,
+   and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle becomes PEEL,
+   which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may be null): the least
+   time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
+   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared; *desc
+   is then untouched. */
+DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
+                                   double milliseconds[DGB_EMISSION_COUNT]);
 
 /* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
@@ -1214,14 +1237,15 @@ static dgbgli_text dgbgli_text_on(char* out, size_t capacity) {
     return t;
 }
 
-static void dgbgli_put(dgbgli_text* t, const char* s) {
-    const size_t n = strlen(s);
+static void dgbgli_put_part(dgbgli_text* t, const char* s, size_t n) {
     const size_t room = t->capacity > t->length + 1 ? t->capacity - t->length - 1 : 0;
     const size_t used = n < room ? n : room;
     if (used) memcpy(t->out + t->length, s, used);
     if (t->capacity && (used || room)) t->out[t->length + used] = 0;
     t->length += n;
 }
+
+static void dgbgli_put(dgbgli_text* t, const char* s) { dgbgli_put_part(t, s, strlen(s)); }
 
 static void dgbgli_put_int(dgbgli_text* t, int value) {
     char digits[12];
@@ -2214,14 +2238,83 @@ static const dgbgl_varying dgbgli_varyings[] = {
     {NULL, "vec4", "dgb_v_current"}, {NULL, "vec4", "dgb_v_previous"}, {"flat", "int", "dgb_v_layer"}};
 #define DGBGLI_VARYING_COUNT 3
 
+static bool dgbgli_one_of(const char* word, const char* const* words) {
+    for (; *words; ++words)
+        if (strcmp(word, *words) == 0) return true;
+    return false;
+}
+
+static bool dgbgli_is_digit(char c) { return c >= '0' && c <= '9'; }
+
+static bool dgbgli_is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+/* An identifier, alone or with a positive count in brackets. */
+static bool dgbgli_name_ok(const char* name) {
+    if (!dgbgli_is_letter(*name)) return false;
+    while (dgbgli_is_letter(*name) || dgbgli_is_digit(*name)) ++name;
+    if (*name == 0) return true;
+    if (*name++ != '[' || !dgbgli_is_digit(*name) || *name == '0') return false;
+    while (dgbgli_is_digit(*name)) ++name;
+    return name[0] == ']' && name[1] == 0;
+}
+
+/* Length of the name without its brackets. */
+static size_t dgbgli_base_length(const char* name) { return strcspn(name, "["); }
+
+static bool dgbgli_same_name(const char* a, const char* b) {
+    const size_t length = dgbgli_base_length(a);
+    return length == dgbgli_base_length(b) && strncmp(a, b, length) == 0;
+}
+
+/* What is wrong with a varying, or null. */
+static const char* dgbgli_varying_fault(const dgbgl_varying* v, const dgbgl_backend* b, bool through_geometry) {
+    static const char* const qualifiers[] = {"flat", "smooth", "noperspective", "centroid", NULL};
+    static const char* const integers[] = {"int", "ivec2", "ivec3", "ivec4", "uint", "uvec2", "uvec3", "uvec4", NULL};
+    static const char* const floats[] = {"float",  "vec2",   "vec3",   "vec4",   "mat2",   "mat3",
+                                         "mat4",   "mat2x2", "mat2x3", "mat2x4", "mat3x2", "mat3x3",
+                                         "mat3x4", "mat4x2", "mat4x3", "mat4x4", NULL};
+    if (!v->name || !v->name[0] || !v->type) return "a varying needs a type and a name";
+    if (strncmp(v->name, "dgb_", 4) == 0 || strncmp(v->name, "gl_", 3) == 0) return "names with dgb_ and gl_ are taken";
+    if (v->qualifier && !dgbgli_one_of(v->qualifier, qualifiers))
+        return "the qualifier is not flat, smooth, noperspective, centroid";
+    if (dgbgli_one_of(v->type, integers)) {
+        if (!v->qualifier || strcmp(v->qualifier, "flat") != 0) return "an integer varying must be flat";
+    } else if (!dgbgli_one_of(v->type, floats)) {
+        return "the type is not a float, int or uint scalar or vector, or a float matrix";
+    }
+    if (strchr(v->name, '[') && through_geometry && b->version < 430)
+        return "arrays through a geometry shader need OpenGL 4.3";
+    return dgbgli_name_ok(v->name) ? NULL : "the name is no GLSL identifier, with or without [count]";
+}
+
+static bool dgbgli_varyings_ok(const dgbgl_backend* b, const dgbgl_varying* varyings, int count,
+                               bool through_geometry) {
+    int i, k;
+    if (count < 0 || (count > 0 && !varyings)) return false;
+    for (i = 0; i < count; ++i) {
+        const char* fault = dgbgli_varying_fault(&varyings[i], b, through_geometry);
+        for (k = 0; !fault && k < i; ++k)
+            if (dgbgli_same_name(varyings[k].name, varyings[i].name)) fault = "two varyings have this name";
+        if (!fault) continue;
+        dgbgli_message(b, varyings[i].name ? varyings[i].name : "varying", fault);
+        return false;
+    }
+    return true;
+}
+
+/* The name without its brackets. */
+static void dgbgli_put_base(dgbgli_text* t, const dgbgl_varying* v) {
+    dgbgli_put_part(t, v->name, dgbgli_base_length(v->name));
+}
+
 /* Behind a geometry shader the fragment shader reads dgb_g_NAME, so that its text need not change. */
 static void dgbgli_put_renames(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
     int i;
     for (i = 0; i < count; ++i) {
         dgbgli_put(t, "#define ");
-        dgbgli_put(t, varyings[i].name);
+        dgbgli_put_base(t, &varyings[i]);
         dgbgli_put(t, " dgb_g_");
-        dgbgli_put(t, varyings[i].name);
+        dgbgli_put_base(t, &varyings[i]);
         dgbgli_put(t, "\n");
     }
 }
@@ -2266,7 +2359,7 @@ DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage
                                    int count, char* text, size_t capacity) {
     const dgbgl_backend* b = dgbgli_of(context);
     dgbgli_text t = dgbgli_text_on(text, capacity);
-    if (!b || (count > 0 && !varyings)) return 0;
+    if (!b || !dgbgli_varyings_ok(b, varyings, count, dgbgli_renames(context->plan.emission))) return 0;
     dgbgli_put_head(&t, context, b, stage);
     if (stage == DGBGL_VERTEX) dgbgli_put_chunks(&t, dgbgli_glsl_layers_vertex);
     if (stage == DGBGL_FRAGMENT) {
@@ -2281,13 +2374,16 @@ DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage
     return t.length;
 }
 
+/* "flat out int dgb_g_v[3];" or "flat in int v[][3];" */
 static void dgbgli_put_declaration(dgbgli_text* t, const dgbgl_varying* v, bool out) {
     if (v->qualifier) dgbgli_put(t, v->qualifier);
     dgbgli_put(t, out ? " out " : " in ");
     dgbgli_put(t, v->type);
     dgbgli_put(t, out ? " dgb_g_" : " ");
-    dgbgli_put(t, v->name);
-    dgbgli_put(t, out ? ";\n" : "[];\n");
+    dgbgli_put_base(t, v);
+    if (!out) dgbgli_put(t, "[]");
+    dgbgli_put(t, v->name + dgbgli_base_length(v->name));
+    dgbgli_put(t, ";\n");
 }
 
 static void dgbgli_put_declarations(dgbgli_text* t, const dgbgl_varying* varyings, int count) {
@@ -2302,9 +2398,9 @@ static void dgbgli_put_copies(dgbgli_text* t, const dgbgl_varying* varyings, int
     int i;
     for (i = 0; i < count; ++i) {
         dgbgli_put(t, "            dgb_g_");
-        dgbgli_put(t, varyings[i].name);
+        dgbgli_put_base(t, &varyings[i]);
         dgbgli_put(t, " = ");
-        dgbgli_put(t, varyings[i].name);
+        dgbgli_put_base(t, &varyings[i]);
         dgbgli_put(t, "[i];\n");
     }
 }
@@ -2373,7 +2469,7 @@ DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_var
                                      size_t capacity) {
     const dgbgl_backend* b = dgbgli_of(context);
     dgbgli_text t = dgbgli_text_on(text, capacity);
-    if (!b || (count > 0 && !varyings)) return 0;
+    if (!b || !dgbgli_varyings_ok(b, varyings, count, dgbgli_renames(context->plan.emission))) return 0;
     if (!dgbgli_renames(context->plan.emission) && context->plan.emission != DGB_EMISSION_MULTICAST) return 0;
     dgbgli_put_head(&t, context, b, DGBGL_GEOMETRY);
     if (context->plan.emission == DGB_EMISSION_MULTICAST)
@@ -2395,6 +2491,65 @@ DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int
     if (context->plan.emission == DGB_EMISSION_IMAGE) dgbgli_connect_images(b, &context->plan, program);
     /* as in restoring the state: a program deleted while in use is gone by now */
     b->gl.UseProgram(b->gl.IsProgram((unsigned)current) ? (unsigned)current : 0);
+    return DGB_OK;
+}
+
+/* >> calibration */
+
+static double dgbgli_now(const dgbgl_backend* b) {
+    int64_t nanoseconds = 0;
+    b->gl.Finish();
+    b->gl.GetInteger64v(DGBGLI_TIMESTAMP, &nanoseconds);
+    return (double)nanoseconds * 1e-6;
+}
+
+/* The least time of a frame of layers, ms; < 0 when this emission cannot be used. */
+static double dgbgli_time_emission(dgbgl_backend* b, const dgbgl_calibration* k, const dgb_desc* desc) {
+    const int warm_up = 3, frames = k->frames > 0 ? k->frames : 8;
+    double least = -1.0;
+    dgb_context context;
+    int i;
+    if (dgb_init(&context, desc) != DGB_OK) return -1.0;
+    if (k->prepare(k->user, &context)) {
+        for (i = 0; i < warm_up + frames; ++i) {
+            const double before = dgbgli_now(b);
+            const dgb_result result = dgb_build(&context, k->view, k->params, k->draw, k->user);
+            const double taken = dgbgli_now(b) - before;
+            if (result != DGB_OK) break;
+            if (i >= warm_up && (least < 0.0 || taken < least)) least = taken;
+        }
+        if (k->release) k->release(k->user);
+    }
+    dgb_shutdown(&context);
+    return least;
+}
+
+DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
+                                   double milliseconds[DGB_EMISSION_COUNT]) {
+    dgb_desc candidate;
+    double best_time = -1.0;
+    dgb_emission best = DGB_EMISSION_AUTO;
+    int emission;
+    if (!gl || !gl->backend.user || !calibration || !calibration->view || !calibration->params ||
+        !calibration->prepare || !calibration->draw || !desc)
+        return DGB_INVALID;
+    if (gl->es || !gl->gl.GetInteger64v) return DGB_UNSUPPORTED;
+    candidate = *desc;
+    candidate.effects = 0; /* the layers alone */
+    candidate.backend = &gl->backend;
+    for (emission = DGB_EMISSION_SEPARATE; emission < DGB_EMISSION_COUNT; ++emission) {
+        double taken = -1.0;
+        candidate.emission = (dgb_emission)emission;
+        if (gl->backend.caps.emission[emission]) taken = dgbgli_time_emission(gl, calibration, &candidate);
+        if (milliseconds) milliseconds[emission] = taken;
+        if (taken < 0.0 || (best_time >= 0.0 && taken >= best_time)) continue;
+        best_time = taken;
+        best = (dgb_emission)emission;
+    }
+    if (milliseconds) milliseconds[DGB_EMISSION_AUTO] = best_time;
+    if (best_time < 0.0) return DGB_UNSUPPORTED;
+    desc->emission = best;
+    if (best == DGB_EMISSION_SEPARATE && desc->oracle == DGB_ORACLE_DEFAULT) desc->oracle = DGB_ORACLE_PEEL;
     return DGB_OK;
 }
 

@@ -637,6 +637,154 @@ static void test_gl33(void** state) {
     assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
 }
 
+/* >> geometry shader from a list of varyings */
+
+static int faults; /* messages of the backend */
+
+static void count_fault(void* user, const char* text) {
+    (void)user, (void)text;
+    ++faults;
+}
+
+/* Compiles vertex, geometry and fragment shader for one varying; the vertex shader writes it, the fragment reads it. */
+static bool varying_compiles(const dgb_context* c, const dgbgl_varying* v, const char* write, const char* read) {
+    static const GLenum stages[] = {GL_VERTEX_SHADER, GL_GEOMETRY_SHADER, GL_FRAGMENT_SHADER};
+    static char text[3][1 << 16], body[2][512];
+    const GLuint program = glCreateProgram();
+    const char* q = v->qualifier ? v->qualifier : "";
+    GLint linked = 0;
+    size_t length;
+    int i;
+    snprintf(body[0], sizeof body[0], "%s out %s %s;\nvoid main() { %s dgb_vertex(vec4(1.0), vec4(1.0)); }\n", q,
+             v->type, v->name, write);
+    snprintf(body[1], sizeof body[1],
+             "%s in %s %s;\nvoid main() { if (!dgb_keep()) discard;"
+             " dgb_store(vec4(float(%s)), vec3(0.0), vec2(0.0), vec3(0.0)); }\n",
+             q, v->type, v->name, read);
+    for (i = 0; i < 3; ++i) {
+        const char* pieces[2] = {text[i], i == 0 ? body[0] : i == 2 ? body[1] : ""};
+        GLuint shader = glCreateShader(stages[i]);
+        length = i == 1 ? dgbgl_geometry_shader(c, v, 1, text[i], sizeof text[i])
+                        : dgbgl_shader_prefix(c, i == 0 ? DGBGL_VERTEX : DGBGL_FRAGMENT, v, 1, text[i], sizeof text[i]);
+        if (!length) return false;
+        glShaderSource(shader, 2, pieces, NULL);
+        glCompileShader(shader);
+        glAttachShader(program, shader);
+        glDeleteShader(shader);
+    }
+    glLinkProgram(program);
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    glDeleteProgram(program);
+    return linked != 0;
+}
+
+static void test_varyings(void** state) {
+    static const struct {
+        dgbgl_varying varying;
+        const char *write, *read;
+    } good[] = {{{NULL, "float", "v_a"}, "v_a = 1.0;", "v_a"},
+                {{NULL, "vec2", "v_uv"}, "v_uv = vec2(1.0);", "v_uv.x"},
+                {{"smooth", "vec3", "v_n"}, "v_n = vec3(1.0);", "v_n.x"},
+                {{"noperspective", "vec4", "v_c"}, "v_c = vec4(1.0);", "v_c.x"},
+                {{"centroid", "vec2", "v_d"}, "v_d = vec2(1.0);", "v_d.x"},
+                {{"flat", "vec4", "v_e"}, "v_e = vec4(1.0);", "v_e.x"},
+                {{"flat", "int", "v_f"}, "v_f = 1;", "v_f"},
+                {{"flat", "uint", "v_g"}, "v_g = 1u;", "v_g"},
+                {{"flat", "ivec3", "v_h"}, "v_h = ivec3(1);", "v_h.x"},
+                {{"flat", "uvec4", "v_i"}, "v_i = uvec4(1u);", "v_i.x"},
+                {{NULL, "mat3", "v_tbn"}, "v_tbn = mat3(1.0);", "v_tbn[0].x"},
+                {{NULL, "mat2x4", "v_m"}, "v_m = mat2x4(1.0);", "v_m[0].x"},
+                {{NULL, "vec4", "v_w[3]"}, "v_w[0] = v_w[1] = v_w[2] = vec4(1.0);", "v_w[2].x"},
+                {{"flat", "int", "v_k[2]"}, "v_k[0] = v_k[1] = 1;", "v_k[1]"}};
+    static const dgbgl_varying bad[] = {
+        {NULL, "int", "v_a"},      {"flat", "sampler2D", "v_a"}, {"invariant", "vec2", "v_a"}, {NULL, "vec2", "dgb_a"},
+        {NULL, "vec2", "gl_a"},    {NULL, "vec2", "1a"},         {NULL, "vec2", "v a"},        {NULL, "vec2", ""},
+        {NULL, NULL, "v_a"},       {NULL, "vec2", NULL},         {NULL, "vec2", "v_a[0]"},     {NULL, "vec2", "v_a[2"},
+        {NULL, "vec2", "v_a[2]x"}, {NULL, "vec2", "v_a[-1]"}};
+    static const dgbgl_varying twice[] = {{NULL, "vec2", "v_a"}, {NULL, "vec4", "v_a[2]"}};
+    static const dgb_emission emissions[] = {DGB_EMISSION_GEOMETRY, DGB_EMISSION_INSTANCED_GEOMETRY};
+    char text[16];
+    size_t i, e;
+    (void)state;
+    for (e = 0; e < 2; ++e) {
+        dgb_desc d = small_desc();
+        dgb_context c;
+        d.emission = emissions[e];
+        assert_int_equal(dgb_init(&c, &d), DGB_OK);
+        for (i = 0; i < sizeof good / sizeof good[0]; ++i)
+            if (!varying_compiles(&c, &good[i].varying, good[i].write, good[i].read))
+                fail_msg("%s %s does not compile", good[i].varying.type, good[i].varying.name);
+        faults = 0;
+        f.gl.desc.message = count_fault;
+        for (i = 0; i < sizeof bad / sizeof bad[0]; ++i)
+            if (dgbgl_geometry_shader(&c, &bad[i], 1, text, sizeof text)) fail_msg("bad varying %d is taken", (int)i);
+        assert_int_equal(faults, sizeof bad / sizeof bad[0]);
+        assert_int_equal(dgbgl_geometry_shader(&c, twice, 2, text, sizeof text), 0);
+        assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_FRAGMENT, bad, 1, text, sizeof text), 0);
+        dgb_shutdown(&c);
+    }
+}
+
+/* >> calibration */
+
+typedef struct candidate {
+    fixture_draw_user draw; /* first: fixture_draw reads it */
+    int prepared, released;
+    dgb_emission refused;
+} candidate;
+
+static bool prepare(void* user, const dgb_context* context) {
+    candidate* k = (candidate*)user;
+    if (context->plan.emission == k->refused || k->refused == DGB_EMISSION_COUNT) return false;
+    k->draw.program = fixture_program(context);
+    ++k->prepared;
+    return k->draw.program != 0;
+}
+
+static void release(void* user) {
+    candidate* k = (candidate*)user;
+    glDeleteProgram(k->draw.program);
+    ++k->released;
+}
+
+static void test_calibration(void** state) {
+    const fixture_view v = fixture_default_view();
+    const dgb_view view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+    const dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    dgb_desc d = small_desc(), untouched;
+    double ms[DGB_EMISSION_COUNT];
+    dgbgl_calibration k;
+    candidate user;
+    int before, emission;
+    (void)state;
+    memset(&k, 0, sizeof k);
+    memset(&user, 0, sizeof user);
+    user.draw.f = &f;
+    k.view = &view, k.params = &q, k.prepare = prepare, k.release = release, k.draw = fixture_draw, k.user = &user,
+    k.frames = 2;
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK); /* the timers' queries come to life in their first use */
+    before = count_objects();
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK);
+    assert_int_equal(count_objects(), before);
+    assert_true(d.emission > DGB_EMISSION_AUTO && f.gl.backend.caps.emission[d.emission]);
+    assert_true(ms[d.emission] == ms[DGB_EMISSION_AUTO] && ms[DGB_EMISSION_AUTO] > 0.0);
+    assert_int_equal(user.prepared, user.released);
+    for (emission = DGB_EMISSION_SEPARATE; emission < DGB_EMISSION_COUNT; ++emission) {
+        assert_true((ms[emission] >= 0.0) == f.gl.backend.caps.emission[emission]);
+        assert_true(ms[emission] < 0.0 || ms[emission] >= ms[DGB_EMISSION_AUTO]);
+    }
+    user.refused = d.emission; /* the fastest cannot be prepared: another is chosen */
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK);
+    assert_true(d.emission != user.refused && ms[user.refused] < 0.0);
+    user.refused = DGB_EMISSION_COUNT; /* none can */
+    untouched = d;
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, NULL), DGB_UNSUPPORTED);
+    assert_memory_equal(&d, &untouched, sizeof d);
+    assert_int_equal(dgbgl_calibrate(NULL, &k, &d, NULL), DGB_INVALID);
+    k.draw = NULL;
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, NULL), DGB_INVALID);
+}
+
 static void test_no_messages(void** state) {
     (void)state;
     assert_int_equal(f.messages, 0);
@@ -664,6 +812,7 @@ int main(void) {
         cmocka_unit_test(test_bad_init),
         cmocka_unit_test(test_timers),
         cmocka_unit_test(test_prefix_lengths),
+        cmocka_unit_test(test_calibration),
         cmocka_unit_test(test_deleted_program),
         cmocka_unit_test(test_bound_texture_goes),
         cmocka_unit_test(test_no_messages),
@@ -671,6 +820,7 @@ int main(void) {
         cmocka_unit_test(test_state_is_restored),
         cmocka_unit_test(test_hostile_state_changes_nothing),
         cmocka_unit_test(test_gl33),
+        cmocka_unit_test(test_varyings),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
