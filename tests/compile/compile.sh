@@ -58,7 +58,7 @@ exported()        { symbols -g --defined-only | awk '{ print $3 }' | only "$1"; 
 no_mutable_data() { symbols | awk '$(NF - 1) ~ /[BbCDdSs]/ { print }' | only ''; }
 imported()        { symbols -u | awk '{ print $2 }' | only "$libc"; }
 
-libc='mem(cpy|set|move|cmp)|str(len|cmp|ncmp|str|chr)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail'
+libc='mem(cpy|set|move|cmp)|str(len|cmp|ncmp|str|chr|cspn)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail'
 libc="$libc|(sqrt|sin|cos|tan|asin|acos|atan|atan2|floor|ceil|fabs|pow|exp|exp2|log|log2|fmin|fmax|fmod|ldexp|frexp|round)f?"
 
 {

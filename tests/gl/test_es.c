@@ -1,0 +1,157 @@
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
+/* The OpenGL ES 3.0 dialect: the same frames on an ES context, which builds by peeling, as on a desktop context. */
+#include "gl_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 160, HEIGHT = 100, GUARD = 8 };
+
+typedef struct shot { /* what shading read and made */
+    int width, height;
+    float *z, *irradiance;
+    unsigned char *normals, *ao;
+} shot;
+
+/* ES reads textures through a framebuffer only, and both dialects can. */
+static void read_texture(const dgb_context* c, dgb_slot slot, GLenum format, GLenum type, void* pixels) {
+    GLuint framebuffer;
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
+                           dgbgl_texture_name(dgb_get_texture(c, slot)), 0);
+    assert_int_equal(glCheckFramebufferStatus(GL_FRAMEBUFFER), GL_FRAMEBUFFER_COMPLETE);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, c->plan.width, c->plan.height, format, type, pixels);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glDeleteFramebuffers(1, &framebuffer);
+}
+
+static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers) {
+    fixture f;
+    dgb_desc d;
+    dgb_context c;
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_view v = fixture_default_view();
+    fixture_draw_user user;
+    shot s;
+    size_t pixels;
+    int frame;
+    assert_int_equal(fixture_open(&f, es ? 3 : 4, es ? 0 : 5, es, NULL), 0);
+    memset(&d, 0, sizeof d);
+    memset(&user, 0, sizeof user);
+    d.width = WIDTH, d.height = HEIGHT, d.guard_band = GUARD, d.layers = layers;
+    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.oracle = oracle;
+    d.emission = DGB_EMISSION_SEPARATE;
+    d.reversed = v.reversed = reversed;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
+    assert_int_equal(f.gl.es, es);
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    user.f = &f;
+    user.program = fixture_program(&c);
+    assert_true(user.program != 0);
+    for (frame = 0; frame < 3; ++frame) {
+        dgb_view view;
+        v.eye[0] += 0.05f;
+        view = fixture_dgb_view(&v, WIDTH, HEIGHT);
+        assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+        assert_int_equal(dgb_shade(&c, &q), DGB_OK);
+    }
+    s.width = c.plan.width;
+    s.height = c.plan.height;
+    pixels = (size_t)s.width * (size_t)s.height;
+    s.z = (float*)calloc(pixels * 4, sizeof(float));
+    s.irradiance = (float*)calloc(pixels * 4, sizeof(float));
+    s.normals = (unsigned char*)calloc(pixels, 4);
+    s.ao = (unsigned char*)calloc(pixels, 4);
+    read_texture(&c, DGB_Z, GL_RGBA, GL_FLOAT, s.z);
+    read_texture(&c, DGB_IRRADIANCE, GL_RGBA, GL_FLOAT, s.irradiance);
+    read_texture(&c, DGB_NORMALS, GL_RGBA, GL_UNSIGNED_BYTE, s.normals);
+    read_texture(&c, DGB_AO, GL_RGBA, GL_UNSIGNED_BYTE, s.ao);
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+    glDeleteProgram(user.program);
+    dgb_shutdown(&c);
+    fixture_close(&f);
+    return s;
+}
+
+static void free_shot(shot* s) {
+    free(s->z);
+    free(s->irradiance);
+    free(s->normals);
+    free(s->ao);
+}
+
+static void check_dialects_agree(dgb_oracle oracle, bool reversed, int layers) {
+    shot desktop = take_shot(false, oracle, reversed, layers), es = take_shot(true, oracle, reversed, layers);
+    const size_t pixels = (size_t)es.width * (size_t)es.height;
+    size_t i, deep = 0;
+    for (i = 0; i < pixels; ++i) deep += es.z[4 * i + 1] < 0.0f && es.z[4 * i + 1] > DGB_EMPTY_Z;
+    assert_true(layers == 1 || deep > pixels / 10);
+    assert_memory_equal(desktop.z, es.z, pixels * 4 * sizeof(float));
+    assert_memory_equal(desktop.normals, es.normals, pixels * 4);
+    assert_memory_equal(desktop.ao, es.ao, pixels * 4);
+    assert_memory_equal(desktop.irradiance, es.irradiance, pixels * 4 * sizeof(float));
+    free_shot(&desktop);
+    free_shot(&es);
+}
+
+static void test_peel(void** state) {
+    (void)state;
+    check_dialects_agree(DGB_ORACLE_PEEL, false, 2);
+    check_dialects_agree(DGB_ORACLE_PEEL, true, 2);
+    check_dialects_agree(DGB_ORACLE_PEEL, false, 1);
+    check_dialects_agree(DGB_ORACLE_PEEL, false, 4);
+}
+
+static void test_other_oracles(void** state) {
+    (void)state;
+    check_dialects_agree(DGB_ORACLE_REPROJECT, false, 2);
+    check_dialects_agree(DGB_ORACLE_DELAY, false, 3);
+}
+
+/* What ES 3.0 cannot do is refused by name. */
+static void test_single_pass_is_refused(void** state) {
+    fixture f;
+    dgb_desc d;
+    dgb_context c;
+    int emission;
+    (void)state;
+    assert_int_equal(fixture_open(&f, 3, 0, true, NULL), 0);
+    memset(&d, 0, sizeof d);
+    d.width = d.height = 32;
+    d.backend = &f.gl.backend;
+    for (emission = DGB_EMISSION_SEPARATE + 1; emission < DGB_EMISSION_COUNT; ++emission) {
+        d.emission = (dgb_emission)emission;
+        assert_int_equal(dgb_init(&c, &d), DGB_UNSUPPORTED);
+    }
+    d.emission = DGB_EMISSION_AUTO;
+    d.clip = DGB_CLIP_ZERO_TO_ONE;
+    assert_int_equal(dgb_init(&c, &d), DGB_UNSUPPORTED);
+    d.clip = DGB_CLIP_NEGATIVE_ONE_TO_ONE;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    assert_int_equal(c.plan.emission, DGB_EMISSION_SEPARATE);
+    dgb_shutdown(&c);
+    assert_int_equal(f.messages, 0);
+    fixture_close(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_peel),
+        cmocka_unit_test(test_other_oracles),
+        cmocka_unit_test(test_single_pass_is_refused),
+    };
+    setenv("MESA_GLES_VERSION_OVERRIDE", "3.0",
+           1); /* a driver that gives more than was asked for would hide what is missing */
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
