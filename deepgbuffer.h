@@ -53,14 +53,32 @@
        What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
 
    CHOOSING A CONSTRUCTION
-       oracle     what tells a fragment of layer j where layer j-1 is:
+       Three independent choices in the desc. dgb_make_plan shows what they cost in memory.
+       oracle     what tells a fragment of layer j where layer j-1 is (paper, section 2):
                   PEEL       this frame's layer j-1. Exact; draws the scene once a layer.
-                  PREVIOUS   last frame's layer j-1 at the same pixel. One pass; wrong where anything moved.
-                  REPROJECT  last frame's layer j-1 at the place where the point was then. One pass; wrong only along
-                             silhouettes of moving things. The default.
-       emission   how one submission reaches all layers: SEPARATE draws, a GEOMETRY shader, or a VERTEX-shader layer with
-                  instancing. AUTO picks what the backend can do and says so in the plan.
+                  PREVIOUS   last frame's layer j-1 at the same pixel. Wrong where anything moved.
+                  REPROJECT  last frame's layer j-1 at the place where the point was then. Wrong only along silhouettes
+                             of moving things. Needs previous positions of every vertex. The default.
+                  PREDICT    a depth-only pass of the frame before, drawn with a guess of this frame's pose. As good as
+                             the guess; 2 (k-1) more depth layers.
+                  DELAY      the same with the true pose, by showing everything one frame late. Exact for layer 1; deeper
+                             layers err under motion as PREVIOUS does.
+       emission   how one submission reaches all layers:
+                  SEPARATE            one draw callback a layer
+                  VERTEX              instances times layers; the vertex shader picks the layer
+                  GEOMETRY            the geometry shader emits each triangle to every layer, in a loop
+                  INSTANCED_GEOMETRY  the same, one invocation a layer
+                  IMAGE               one plain rasterisation; a fragment that a deeper layer keeps competes for it in
+                                      images, by its depth bits. Every vertex is shaded once and nothing is amplified.
+                                      Only where fragments of a pixel are ordered: fragment shader interlock, or a
+                                      rasteriser known to run them in order. No early depth test for layer 0.
+                  MULTICAST           NVIDIA's viewport multicast behind a pass-through geometry shader. Validated by a
+                                      compiler, never run by the authors.
+                  AUTO picks by capability and says in the plan what it picked. dgbgl_calibrate picks by measuring your scene.
+       divisor    resolution of the layers behind the first: 1, 1/2 or 1/4 in each direction.
        The first frame, and the frame after a cut or a resize, is always built by peeling, so no layer is ever unfilled.
+       While nothing moves every oracle gives what PEEL gives, bit for bit, by every emission that does not clip (GEOMETRY,
+       INSTANCED_GEOMETRY, and any single pass with a divisor, move the last bits of depth).
        With strict separation (params, on in every preset) the pack pass empties each layer-1 texel that is not more than
        the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
 
@@ -100,11 +118,10 @@
        a dgb_log_item and one sentence, given to desc.log.
 
    LIMITS
-       Layers beyond 1 are built but not shaded yet. Positions beyond 1e15 m count as sky. Geometry-shader emission changes
-       the last bits of depth (clipping), so it is not bit-identical to the others.
+       Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
 
    VERSION HISTORY
-       0.1.0  peel, PREVIOUS, REPROJECT; ambient occlusion, one bounce, reconstruction; OpenGL backend
+       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, one bounce, reconstruction; OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H

@@ -21,27 +21,43 @@
        dgb_init(&dgb, &d);
 
    YOUR MATERIAL SHADERS
-       They start with the text of dgbgl_shader_prefix (it holds the #version line), go on with yours, and call:
-           vertex     dgb_vertex(clip, previous_clip);     last; writes gl_Position. dgb_instance() replaces gl_InstanceID
-           fragment   if (!dgb_keep()) discard;            after your alpha test
-                      dgb_store(albedo, normal, material, radiance);
-       previous_clip is dgb_draw.previous_projection * previous_view * where this vertex was last frame.
-       Link the text of dgbgl_geometry_shader too when it is not empty. After linking: dgbgl_attach_program.
-       Varyings between your vertex and fragment shader are listed for the two functions, so that the geometry shader can
-       pass them on under another name.
-       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances.
+       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows and names no version.
+           uniform mat4 view, projection, model, previous_view, previous_projection, previous_model;      vertex shader
+           in vec3 position, normal;  in vec2 uv;  out vec3 v_normal;  out vec2 v_uv;
+           void main() {
+               v_normal = mat3(view * model) * normal;
+               v_uv = uv;
+               dgb_vertex(projection * view * model * vec4(position, 1.0),                   last; writes gl_Position
+                          previous_projection * previous_view * previous_model * vec4(position, 1.0));
+           }
+           uniform sampler2D base_color;  in vec3 v_normal;  in vec2 v_uv;                              fragment shader
+           void main() {
+               vec4 base = texture(base_color, v_uv);
+               if (base.a < 0.5) discard;                  your alpha test comes first
+               if (!dgb_keep()) discard;                   then the library's
+               dgb_store(vec4(base.rgb, 1.0), v_normal, vec2(roughness, metallic), emission);
+           }
+       dgb_instance() replaces gl_InstanceID. Skinned vertices are skinned twice: now, and with last frame's bones.
+       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on under
+       another name, so list them for both functions:
+           const dgbgl_varying varyings[] = {{NULL, "vec3", "v_normal"}, {NULL, "vec2", "v_uv"}};
+       After linking, once: dgbgl_attach_program.
+       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances,
+       and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's main from one of its
+       own; do not call main yourself.
 
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
        viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
        mode, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip control, program (even
        one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active texture, textures and
-       samplers of the units used, pixel unpacking. desc.keep_state = true skips all of it, and every glGet: then set your own.
+       samplers of the units used, image units 0 to 4, pixel unpacking. desc.keep_state = true skips all of it, and every glGet: then set your own.
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
    UNITS AND BINDINGS
        Full-screen passes use texture units 0 to 5 and one uniform buffer binding. During your draw callback the oracle sits
-       in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23).
+       in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
+       with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
    THREADS   those of the GL context.
 */

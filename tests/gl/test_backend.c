@@ -762,7 +762,8 @@ static void test_calibration(void** state) {
     user.draw.f = &f;
     k.view = &view, k.params = &q, k.prepare = prepare, k.release = release, k.draw = fixture_draw, k.user = &user,
     k.frames = 2;
-    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK); /* the timers' queries come to life in their first use */
+    assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms),
+                     DGB_OK); /* the timers' queries come to life in their first use */
     before = count_objects();
     assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK);
     assert_int_equal(count_objects(), before);

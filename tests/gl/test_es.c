@@ -54,6 +54,7 @@ static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers) {
     d.backend = &f.gl.backend;
     d.log = fixture_log;
     assert_int_equal(f.gl.es, es);
+    if (es) printf("# OpenGL ES %d\n", f.gl.version);
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     user.f = &f;
     user.program = fixture_program(&c);
