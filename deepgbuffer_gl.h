@@ -51,7 +51,8 @@
        viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
        mode, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip control, program (even
        one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active texture, textures and
-       samplers of the units used, image units 0 to 4, pixel unpacking. desc.keep_state = true skips all of it, and every glGet: then set your own.
+       samplers of the units used, image units 0 to 4, pixel unpacking. desc.keep_state = true skips all of it, and every
+       glGet: then set your own.
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
    UNITS AND BINDINGS

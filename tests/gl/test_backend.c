@@ -113,6 +113,19 @@ static void note_units(snapshot* s) {
     glActiveTexture((GLenum)active);
 }
 
+static void note_images(snapshot* s) {
+    static const GLenum properties[] = {GL_IMAGE_BINDING_NAME,  GL_IMAGE_BINDING_LEVEL,  GL_IMAGE_BINDING_LAYERED,
+                                        GL_IMAGE_BINDING_LAYER, GL_IMAGE_BINDING_ACCESS, GL_IMAGE_BINDING_FORMAT};
+    GLuint unit;
+    int i;
+    for (unit = 0; unit < 5; ++unit)
+        for (i = 0; i < 6; ++i) {
+            GLint value;
+            glGetIntegeri_v(properties[i], unit, &value);
+            note(s, "image", (int)unit * 10 + i, value);
+        }
+}
+
 static snapshot take_snapshot(void) {
     static snapshot s;
     GLint buffer;
@@ -146,6 +159,7 @@ static snapshot take_snapshot(void) {
     note(&s, "uniform_size[23]", 0, (double)size);
     note_indexed(&s);
     note_units(&s);
+    note_images(&s);
     return s;
 }
 
@@ -212,6 +226,8 @@ static void set_hostile_state(const hostile* h) {
         glBindTexture(GL_TEXTURE_2D_ARRAY, h->arrays[unit % 2]);
         glBindSampler((GLuint)unit, h->samplers[unit % 2]);
     }
+    for (unit = 0; unit < 5; ++unit)
+        glBindImageTexture((GLuint)unit, h->textures[unit % 2], unit, GL_FALSE, unit, GL_READ_ONLY, GL_RG32F);
     glActiveTexture(GL_TEXTURE3);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
     glPixelStorei(GL_UNPACK_SKIP_ROWS, 3);
@@ -230,7 +246,7 @@ static void expect_same(const snapshot* before, const char* after_what) {
     fail_msg("%s changed the state: %.*s became %.*s", after_what, (int)strcspn(a, "\n"), a, (int)strcspn(b, "\n"), b);
 }
 
-static void test_state_is_restored(void** state) {
+static void check_state_is_restored(dgb_emission emission) {
     const fixture_view v = fixture_default_view();
     dgb_view view = fixture_dgb_view(&v, WIDTH, HEIGHT);
     dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
@@ -239,7 +255,7 @@ static void test_state_is_restored(void** state) {
     hostile h;
     snapshot before;
     fixture_draw_user user;
-    (void)state;
+    d.emission = emission;
     /* a context of its own: the hostile state ends with it */
     fixture_close(&f);
     assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
@@ -264,6 +280,13 @@ static void test_state_is_restored(void** state) {
     expect_same(&before, "dgb_shutdown");
     fixture_close(&f);
     assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+}
+
+static void test_state_is_restored(void** state) {
+    (void)state;
+    check_state_is_restored(DGB_EMISSION_AUTO);
+    check_state_is_restored(DGB_EMISSION_IMAGE);
+    check_state_is_restored(DGB_EMISSION_GEOMETRY);
 }
 
 /* What was on before must not leak into the result either. */
