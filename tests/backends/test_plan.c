@@ -144,6 +144,10 @@ static void test_golden_plans(void** state) {
                 if (oracle != DGB_ORACLE_DEFAULT || layers == 1)
                     print_built_section(&text, layers, effects, (dgb_oracle)oracle);
     print_built_section(&text, 3, 3, DGB_ORACLE_REPROJECT);
+    for (layers = 3; layers <= 8; layers += 5)
+        for (oracle = DGB_ORACLE_PREDICT; oracle <= DGB_ORACLE_DELAY; ++oracle)
+            print_built_section(&text, layers, 0, (dgb_oracle)oracle);
+    print_built_section(&text, 8, 3, DGB_ORACLE_DELAY);
     for (effects = 0; effects < 4; ++effects)
         for (layers = 1; layers <= 2; ++layers)
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals)
@@ -154,25 +158,63 @@ static void test_golden_plans(void** state) {
 
 /* >> what every plan keeps to */
 
+typedef void (*desc_check)(const dgb_desc* desc);
 typedef void (*plan_check)(const dgb_desc* desc, const dgb_plan* plan);
 
-static void for_every_plan(plan_check check) {
+/* Which of the combinations below are good, and why the others are not. */
+static dgb_log_item expected_item(const dgb_desc* d) {
+    const bool divides = d->divisor != 0 && d->divisor != 1;
+    if (d->source == DGB_SOURCE_ENGINE) {
+        if (d->layers > 2) return DGB_LOG_LAYERS;
+        return d->oracle || d->emission || divides ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
+    }
+    if (d->oracle == DGB_ORACLE_PEEL && d->emission != DGB_EMISSION_AUTO && d->emission != DGB_EMISSION_SEPARATE)
+        return DGB_LOG_PEEL_EMISSION;
+    if (divides && d->divisor != 2 && d->divisor != 4) return DGB_LOG_DIVISOR;
+    if (divides && (d->emission == DGB_EMISSION_IMAGE || d->emission == DGB_EMISSION_MULTICAST)) return DGB_LOG_DIVISOR;
+    return DGB_LOG_NONE;
+}
+
+static void for_every_oracle(dgb_desc d, desc_check check) {
+    static const int divisors[] = {0, 1, 2, 4, 3, 8, -1, -2};
+    int oracle, emission, normals;
+    size_t divisor;
+    for (oracle = 0; oracle < DGB_ORACLE_COUNT; ++oracle)
+        for (emission = 0; emission < DGB_EMISSION_COUNT; ++emission)
+            for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals)
+                for (divisor = 0; divisor < sizeof divisors / sizeof divisors[0]; ++divisor) {
+                    d.oracle = (dgb_oracle)oracle;
+                    d.emission = (dgb_emission)emission;
+                    d.normals = (dgb_normals)normals;
+                    d.divisor = divisors[divisor];
+                    check(&d);
+                }
+}
+
+static void for_every_desc(desc_check check) {
     uint32_t effects;
-    int layers, source, oracle, normals;
+    int layers, source;
     for (effects = 0; effects < 4; ++effects)
         for (layers = 0; layers <= DGB_MAX_LAYERS; ++layers)
-            for (source = 0; source < 2; ++source)
-                for (oracle = 0; oracle < DGB_ORACLE_COUNT; ++oracle)
-                    for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
-                        dgb_desc d = small_desc(layers, effects);
-                        dgb_plan plan;
-                        if (source == DGB_SOURCE_ENGINE && (layers > DGB_MAX_SHADED_LAYERS || oracle)) continue;
-                        d.source = (dgb_source)source;
-                        d.oracle = (dgb_oracle)oracle;
-                        d.normals = (dgb_normals)normals;
-                        plan = make_plan(&d);
-                        check(&d, &plan);
-                    }
+            for (source = 0; source < 2; ++source) {
+                dgb_desc d = small_desc(layers, effects);
+                d.source = (dgb_source)source;
+                for_every_oracle(d, check);
+            }
+}
+
+static plan_check running_check;
+
+static void check_if_good(const dgb_desc* desc) {
+    dgb_plan plan;
+    if (expected_item(desc) != DGB_LOG_NONE) return;
+    plan = make_plan(desc);
+    running_check(desc, &plan);
+}
+
+static void for_every_plan(plan_check check) {
+    running_check = check;
+    for_every_desc(check_if_good);
 }
 
 static const dgb_texture_desc* find_texture(const dgb_plan* plan, dgb_slot slot) {
@@ -228,7 +270,8 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
     bool written[DGB_SLOT_COUNT] = {false};
     int i, k;
     (void)desc;
-    written[DGB_ROTATIONS] = written[DGB_ORACLE] = written[DGB_DEPTH] = true;
+    /* depth and oracle hold the frame before; the key is written by the layers pass, in images */
+    written[DGB_ROTATIONS] = written[DGB_ORACLE] = written[DGB_DEPTH] = written[DGB_KEY] = true;
     for (i = 0; i < plan->pass_count; ++i) {
         const dgb_plan_pass* pass = &plan->passes[i];
         for (k = 0; k < pass->input_count; ++k) {
@@ -263,6 +306,67 @@ static void check_bytes(const dgb_desc* desc, const dgb_plan* plan) {
                 fail_msg("two of %s", dgb_slot_name(plan->textures[i].slot));
     }
     if (sum != plan->bytes) fail_msg("%u bytes, not %u", (unsigned)plan->bytes, (unsigned)sum);
+}
+
+/* Arrays of the plan hold what goes into them, with the counts telling the truth: nothing is left behind them. */
+static void check_limits(const dgb_desc* desc, const dgb_plan* plan) {
+    int i, k;
+    (void)desc;
+    assert_in_range(plan->texture_count, 0, DGB_MAX_TEXTURES);
+    assert_in_range(plan->program_count, 0, DGB_MAX_PROGRAMS);
+    assert_in_range(plan->pass_count, 0, DGB_MAX_PASSES);
+    assert_in_range(plan->levels, 1, DGB_MAX_LEVELS);
+    for (i = 0; i < plan->program_count; ++i) {
+        assert_in_range(plan->programs[i].define_count, 0, DGB_MAX_DEFINES);
+        for (k = 0; k < plan->programs[i].define_count; ++k) assert_non_null(plan->programs[i].defines[k].name);
+    }
+    for (i = 0; i < plan->pass_count; ++i) {
+        const dgb_plan_pass* pass = &plan->passes[i];
+        assert_in_range(pass->input_count, 0, DGB_MAX_INPUTS);
+        assert_in_range(pass->output_count, 1, DGB_MAX_TARGETS);
+        for (k = 0; k < pass->input_count; ++k) assert_true(pass->inputs[k].name && pass->inputs[k].texture);
+        for (k = 0; k < pass->output_count; ++k) assert_true(pass->outputs[k]);
+    }
+    for (i = 0; i < plan->texture_count; ++i) {
+        const dgb_texture_desc* t = &plan->textures[i];
+        assert_true(t->slot && t->format && t->width > 0 && t->height > 0 && t->levels > 0 && t->bytes > 0);
+        assert_in_range(t->layers, 0, DGB_MAX_LAYERS);
+    }
+}
+
+static void test_plans_keep_their_limits(void** state) {
+    (void)state;
+    for_every_plan(check_limits);
+}
+
+/* What the oracle and the emission bring: textures, passes and the choice as it was made. */
+static void check_construction(const dgb_desc* desc, const dgb_plan* plan) {
+    const bool built = desc->source == DGB_SOURCE_BUILD, deep = built && plan->layers > 1;
+    const bool predicts = deep && (desc->oracle == DGB_ORACLE_PREDICT || desc->oracle == DGB_ORACLE_DELAY);
+    const bool peels = plan->oracle == DGB_ORACLE_PEEL, image = deep && desc->emission == DGB_EMISSION_IMAGE;
+    const dgb_texture_desc* t = find_texture(plan, DGB_ORACLE);
+    assert_int_equal(plan->layers, desc->layers ? desc->layers : 2);
+    assert_int_equal(t != NULL, deep && !peels);
+    if (t) assert_int_equal(t->layers, predicts ? plan->layers - 1 : plan->layers);
+    t = find_texture(plan, DGB_PREDICTED);
+    assert_int_equal(t != NULL, predicts);
+    if (t) assert_int_equal(t->layers, plan->layers - 1);
+    t = find_texture(plan, DGB_KEY);
+    assert_int_equal(t != NULL, image);
+    if (t) assert_true(t->layers == plan->layers - 1 && t->format == DGB_FORMAT_R32UI);
+    check_stage(plan, DGB_PASS_RESOLVE, image);
+    assert_int_equal(has_pass(plan, DGB_PASS_PREDICT), predicts);
+    if (!built) return;
+    if (desc->oracle) assert_int_equal(plan->oracle, desc->oracle);
+    if (peels || plan->layers == 1)
+        assert_int_equal(plan->emission, DGB_EMISSION_SEPARATE);
+    else
+        assert_int_equal(plan->emission, desc->emission ? desc->emission : DGB_EMISSION_VERTEX);
+}
+
+static void test_constructions_bring_what_they_need(void** state) {
+    (void)state;
+    for_every_plan(check_construction);
 }
 
 static void test_effects_that_are_off_cost_nothing(void** state) {
@@ -328,6 +432,28 @@ static void test_bytes_of_the_largest(void** state) {
     /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
        rotations */
     assert_true(plan.bytes == 6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048);
+}
+
+/* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */
+static void test_bytes_of_k_layers(void** state) {
+    static const int of_oracle[DGB_ORACLE_COUNT][2] = {{1, 0}, {0, 0},  {1, 0},
+                                                       {1, 0}, {2, -2}, {2, -2}}; /* times k, plus */
+    const uint64_t image = (uint64_t)80 * 64 * 4;
+    int oracle, layers, is_image;
+    (void)state;
+    for (oracle = 1; oracle < DGB_ORACLE_COUNT; ++oracle)
+        for (layers = 1; layers <= DGB_MAX_LAYERS; ++layers)
+            for (is_image = 0; is_image < 2; ++is_image) {
+                dgb_desc d = small_desc(layers, 0);
+                int depths = layers > 1 ? of_oracle[oracle][0] * layers + of_oracle[oracle][1] : 0;
+                dgb_plan plan;
+                if (is_image && oracle == DGB_ORACLE_PEEL) continue;
+                d.oracle = (dgb_oracle)oracle;
+                if (is_image) d.emission = DGB_EMISSION_IMAGE, depths += layers - 1; /* and the keys */
+                plan = make_plan(&d);
+                if (plan.bytes != image * (uint64_t)(5 * layers + depths))
+                    fail_msg("oracle %s, %d layers: %u bytes", dgb_oracle_name(d.oracle), layers, (unsigned)plan.bytes);
+            }
 }
 
 static void test_odd_sizes(void** state) {
@@ -406,6 +532,39 @@ static void test_senders_choose_the_program(void** state) {
     assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 1);
 }
 
+/* A lower resolution of the deeper layers is a matter of viewports and programs: no texture changes. */
+static void test_divisor(void** state) {
+    static const struct {
+        dgb_pass_id pass;
+        int places;
+    } users[] = {{DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}};
+    int divisor, i, k;
+    size_t user;
+    (void)state;
+    for (divisor = 1; divisor <= 4; divisor *= 2) {
+        dgb_desc d = small_desc(2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+        const dgb_plan whole = make_plan(&d);
+        dgb_plan plan;
+        int places = 0;
+        d.divisor = divisor;
+        plan = make_plan(&d);
+        for (user = 0; user < sizeof users / sizeof users[0]; ++user) {
+            assert_int_equal(define_of(&plan, users[user].pass, "DGB_DIVISOR"), divisor);
+            assert_int_equal(define_of(&whole, users[user].pass, "DGB_DIVISOR"), 1);
+            places += users[user].places;
+        }
+        for (i = 0; i < plan.program_count; ++i)
+            for (k = 0; k < plan.programs[i].define_count; ++k)
+                if (strcmp(plan.programs[i].defines[k].name, "DGB_DIVISOR") == 0) {
+                    assert_int_equal(plan.programs[i].defines[k].value, divisor);
+                    plan.programs[i].defines[k].value = 1; /* all that differs */
+                    --places;
+                }
+        assert_int_equal(places, 0);
+        if (!same_bits(&plan, &whole, sizeof plan)) fail_msg("divisor %d changes more than the programs", divisor);
+    }
+}
+
 static dgb_emission automatic(bool geometry, bool vertex, dgb_oracle oracle, int layers) {
     record_backend r;
     dgb_desc d = small_desc(layers, 0);
@@ -429,6 +588,9 @@ static void test_automatic_emission(void** state) {
     assert_int_equal(automatic(true, true, DGB_ORACLE_PEEL, 2), DGB_EMISSION_SEPARATE);
     assert_int_equal(automatic(true, true, DGB_ORACLE_REPROJECT, 1), DGB_EMISSION_SEPARATE);
     assert_int_equal(automatic(true, true, DGB_ORACLE_DEFAULT, 1), DGB_EMISSION_SEPARATE);
+    assert_int_equal(automatic(true, true, DGB_ORACLE_PREDICT, 8), DGB_EMISSION_VERTEX);
+    assert_int_equal(automatic(true, false, DGB_ORACLE_DELAY, 3), DGB_EMISSION_GEOMETRY);
+    assert_int_equal(automatic(true, true, DGB_ORACLE_DELAY, 1), DGB_EMISSION_SEPARATE);
 }
 
 /* >> refusals */
@@ -450,6 +612,9 @@ static void on_log(void* user, dgb_result result, dgb_log_item item, const char*
 
 static const dgb_backend weak_device = {.caps = {.max_size = 512, .max_layers = 4}};
 static const dgb_backend one_layer = {.caps = {.max_size = 512, .max_layers = 1}};
+
+static const dgb_backend no_viewports = {
+    .caps = {.max_size = 512, .max_layers = 4, .emission = {[DGB_EMISSION_SEPARATE] = true}}};
 
 #define SIZE .width = 64, .height = 48
 #define BAD(enumeration) (enumeration)(-1)
@@ -497,9 +662,9 @@ static const struct {
     {"source", {SIZE, .source = BAD(dgb_source)}, DGB_INVALID, DGB_LOG_ENUM},
     {"source 2", {SIZE, .source = (dgb_source)2}, DGB_INVALID, DGB_LOG_ENUM},
     {"oracle", {SIZE, .oracle = BAD(dgb_oracle)}, DGB_INVALID, DGB_LOG_ENUM},
-    {"oracle 4", {SIZE, .oracle = DGB_ORACLE_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"oracle 6", {SIZE, .oracle = DGB_ORACLE_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"emission", {SIZE, .emission = BAD(dgb_emission)}, DGB_INVALID, DGB_LOG_ENUM},
-    {"emission 4", {SIZE, .emission = DGB_EMISSION_COUNT, .backend = &weak_device}, DGB_INVALID, DGB_LOG_ENUM},
+    {"emission 7", {SIZE, .emission = DGB_EMISSION_COUNT, .backend = &weak_device}, DGB_INVALID, DGB_LOG_ENUM},
     {"clip", {SIZE, .clip = BAD(dgb_clip)}, DGB_INVALID, DGB_LOG_ENUM},
     {"clip 2", {SIZE, .clip = DGB_CLIP_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"normals", {SIZE, .normals = BAD(dgb_normals)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -509,7 +674,7 @@ static const struct {
     {"normaliser", {SIZE, .normaliser = BAD(dgb_normaliser)}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser 2", {SIZE, .normaliser = DGB_NORMALISER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
-    {"depth format 12", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"depth format 13", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
     {"peel by geometry",
      {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_GEOMETRY},
@@ -519,6 +684,55 @@ static const struct {
      {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_VERTEX},
      DGB_INVALID,
      DGB_LOG_PEEL_EMISSION},
+    {"peel by instanced geometry",
+     {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_INSTANCED_GEOMETRY},
+     DGB_INVALID,
+     DGB_LOG_PEEL_EMISSION},
+    {"peel by image",
+     {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_IMAGE},
+     DGB_INVALID,
+     DGB_LOG_PEEL_EMISSION},
+    {"peel by multicast",
+     {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_MULTICAST},
+     DGB_INVALID,
+     DGB_LOG_PEEL_EMISSION},
+    {"divisor 3", {SIZE, .divisor = 3}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor 8", {SIZE, .divisor = 8}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor -1", {SIZE, .divisor = -1}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor -2", {SIZE, .divisor = -2}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor INT_MIN", {SIZE, .divisor = INT_MIN}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor INT_MAX", {SIZE, .divisor = INT_MAX}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor 4 of 3 rows", {.width = 64, .height = 3, .divisor = 4}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor 2 of 1 column", {.width = 1, .height = 48, .divisor = 2}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor 2 by image", {SIZE, .divisor = 2, .emission = DGB_EMISSION_IMAGE}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"divisor 4 by multicast", {SIZE, .divisor = 4, .emission = DGB_EMISSION_MULTICAST}, DGB_INVALID, DGB_LOG_DIVISOR},
+    {"no viewport for divisor 2", {SIZE, .divisor = 2, .backend = &weak_device}, DGB_UNSUPPORTED, DGB_LOG_DIVISOR},
+    {"no viewport for divisor 4, separate",
+     {SIZE, .divisor = 4, .emission = DGB_EMISSION_SEPARATE, .backend = &no_viewports},
+     DGB_UNSUPPORTED,
+     DGB_LOG_DIVISOR},
+    {"instanced geometry not there",
+     {SIZE, .emission = DGB_EMISSION_INSTANCED_GEOMETRY, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_EMISSION},
+    {"image not there",
+     {SIZE, .emission = DGB_EMISSION_IMAGE, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_EMISSION},
+    {"multicast not there",
+     {SIZE, .emission = DGB_EMISSION_MULTICAST, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_EMISSION},
+    {"engine and divisor", {SIZE, .source = DGB_SOURCE_ENGINE, .divisor = 2}, DGB_INVALID, DGB_LOG_SOURCE_OPTIONS},
+    {"engine and divisor -1", {SIZE, .source = DGB_SOURCE_ENGINE, .divisor = -1}, DGB_INVALID, DGB_LOG_SOURCE_OPTIONS},
+    {"engine and delay",
+     {SIZE, .source = DGB_SOURCE_ENGINE, .oracle = DGB_ORACLE_DELAY},
+     DGB_INVALID,
+     DGB_LOG_SOURCE_OPTIONS},
+    {"engine and image",
+     {SIZE, .source = DGB_SOURCE_ENGINE, .emission = DGB_EMISSION_IMAGE},
+     DGB_INVALID,
+     DGB_LOG_SOURCE_OPTIONS},
     {"geometry not there",
      {SIZE, .emission = DGB_EMISSION_GEOMETRY, .backend = &weak_device},
      DGB_UNSUPPORTED,
@@ -565,6 +779,40 @@ static void test_refusals(void** state) {
     }
 }
 
+/* Every combination is taken or refused as it should be, for the right reason. */
+static void check_verdict(const dgb_desc* desc) {
+    const dgb_log_item item = expected_item(desc);
+    dgb_desc d = *desc;
+    logged log = {0};
+    dgb_plan plan;
+    dgb_result result;
+    d.log = on_log;
+    d.log_user = &log;
+    result = dgb_make_plan(&d, &plan);
+    if (result != (item ? DGB_INVALID : DGB_OK) || log.item != item || log.count != (item != DGB_LOG_NONE))
+        fail_msg("source %d, layers %d, oracle %s, emission %s, divisor %d: %s, %s, not %s", (int)d.source, d.layers,
+                 dgb_oracle_name(d.oracle), dgb_emission_name(d.emission), d.divisor, dgb_result_name(result),
+                 dgb_log_item_name(log.item), dgb_log_item_name(item));
+}
+
+static void test_every_combination_has_its_verdict(void** state) {
+    (void)state;
+    for_every_desc(check_verdict);
+}
+
+/* No reason that a plan can be refused for goes without a row in the table. */
+static void test_every_refusal_is_tried(void** state) {
+    static const dgb_log_item of_a_desc[] = {
+        DGB_LOG_SIZE, DGB_LOG_GUARD_BAND, DGB_LOG_LAYERS,        DGB_LOG_EFFECTS, DGB_LOG_TARGETS,       DGB_LOG_ENUM,
+        DGB_LOG_CLIP, DGB_LOG_EMISSION,   DGB_LOG_PEEL_EMISSION, DGB_LOG_DIVISOR, DGB_LOG_SOURCE_OPTIONS};
+    bool tried[DGB_LOG_COUNT] = {false};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof refusals / sizeof refusals[0]; ++i) tried[refusals[i].item] = true;
+    for (i = 0; i < sizeof of_a_desc / sizeof of_a_desc[0]; ++i)
+        if (!tried[of_a_desc[i]]) fail_msg("nothing trips %s", dgb_log_item_name(of_a_desc[i]));
+}
+
 /* The other side of every limit. */
 static void test_limits_are_inclusive(void** state) {
     static const dgb_desc descs[] = {
@@ -579,6 +827,12 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_NORMAL},
         {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},
+        {SIZE, .oracle = DGB_ORACLE_PEEL, .divisor = 4},
+        {SIZE, .divisor = 1, .emission = DGB_EMISSION_IMAGE},
+        {SIZE, .divisor = 1, .source = DGB_SOURCE_ENGINE},
+        {SIZE, .divisor = 1, .backend = &no_viewports},
+        {.width = 4, .height = 4, .divisor = 4},
+        {.width = 1, .height = 2, .guard_band = 1, .divisor = 2}, /* the guard band counts */
     };
     size_t i;
     (void)state;
@@ -631,6 +885,17 @@ static void test_names(void** state) {
     assert_string_equal(dgb_format_name(DGB_FORMAT_COUNT), "?");
     assert_string_equal(dgb_oracle_name(DGB_ORACLE_REPROJECT), "reproject");
     assert_string_equal(dgb_oracle_name(DGB_ORACLE_COUNT), "?");
+    assert_string_equal(dgb_oracle_name(DGB_ORACLE_PREDICT), "predict");
+    assert_string_equal(dgb_oracle_name(DGB_ORACLE_DELAY), "delay");
+    assert_string_equal(dgb_pass_name(DGB_PASS_RESOLVE), "resolve");
+    assert_string_equal(dgb_pass_name(DGB_PASS_PREDICT), "predict");
+    assert_string_equal(dgb_pass_name(DGB_PASS_RECONSTRUCT), "reconstruct");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_R32UI), "R32UI");
+    assert_string_equal(dgb_slot_name(DGB_PREDICTED), "predicted");
+    assert_string_equal(dgb_slot_name(DGB_KEY), "key");
+    assert_string_equal(dgb_emission_name(DGB_EMISSION_INSTANCED_GEOMETRY), "instanced-geometry");
+    assert_string_equal(dgb_emission_name(DGB_EMISSION_IMAGE), "image");
+    assert_string_equal(dgb_emission_name(DGB_EMISSION_MULTICAST), "multicast");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_VERTEX), "vertex");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_COUNT), "?");
     for (i = 0; i < DGB_SLOT_COUNT; ++i)
@@ -643,14 +908,20 @@ int main(void) {
         cmocka_unit_test(test_effects_that_are_off_cost_nothing),
         cmocka_unit_test(test_passes_connect),
         cmocka_unit_test(test_bytes_add_up),
+        cmocka_unit_test(test_plans_keep_their_limits),
+        cmocka_unit_test(test_constructions_bring_what_they_need),
         cmocka_unit_test(test_160_bits),
+        cmocka_unit_test(test_bytes_of_k_layers),
         cmocka_unit_test(test_bytes_of_the_largest),
         cmocka_unit_test(test_odd_sizes),
         cmocka_unit_test(test_depth_formats),
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_senders_choose_the_program),
+        cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_every_combination_has_its_verdict),
+        cmocka_unit_test(test_every_refusal_is_tried),
         cmocka_unit_test(test_limits_are_inclusive),
         cmocka_unit_test(test_null_arguments),
         cmocka_unit_test(test_names),

@@ -4,66 +4,19 @@
 // Absolute times mean little on a software rasteriser on a busy machine, so the contenders take turns frame by frame and
 // every figure is a median: of times (wall clock between two glFinish), or of ratios of neighbouring frames. GL timer
 // queries are not used: a tiler may time only part of the work.
-#include "headless.h"
-#include "render_camera.hpp"
+#include "bench.hpp"
 #include "scene_renderer.hpp"
 
-#include <malloc.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
-#include <stdexcept>
 
 namespace {
 
-constexpr int kWidth = 640, kHeight = 360;
 constexpr int kWarmUp = 4, kFrames = 24;
 
 struct Taps {
     int ao, gather;
 };
 constexpr Taps kTaps[] = {{16, 14}, {32, 30}};
-
-struct View {
-    std::string name;
-    Scene scene;
-    RenderCamera camera;
-};
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-// The scene of an argument "file@camera", or the atrium.
-View load_view(const std::string& argument) {
-    View view;
-    const size_t at = argument.find('@');
-    view.name = argument.empty() ? "atrium" : argument.substr(0, at);
-    view.name = view.name.substr(view.name.find_last_of('/') + 1);
-    std::string error;
-    if (argument.empty()) {
-        view.scene = make_atrium();
-    } else if (!load_gltf(argument.substr(0, at), &view.scene, &error)) {
-        throw std::runtime_error(error);
-    }
-    view.camera = view.scene.cameras.empty() ? framing_camera(view.scene, float(kWidth) / kHeight)
-                                             : camera_of_file(view.scene.cameras[0], view.scene);
-    if (at != std::string::npos) {
-        glm::vec3 &e = view.camera.eye, &t = view.camera.target;
-        float degrees = 0.0f;
-        if (std::sscanf(argument.c_str() + at + 1, "%f,%f,%f,%f,%f,%f,%f", &e.x, &e.y, &e.z, &t.x, &t.y, &t.z,
-                        &degrees) != 7) {
-            throw std::runtime_error("a camera is ex,ey,ez,tx,ty,tz,fov: " + argument);
-        }
-        view.camera.up = upright(t - e);
-        view.camera.vertical_fov = glm::radians(degrees);
-    }
-    set_planes(view.scene, &view.camera);
-    return view;
-}
 
 dgb_desc layers_desc(int layers) {
     dgb_desc desc{};
@@ -127,12 +80,6 @@ std::vector<double> sum(const Samples& samples, const std::vector<std::string>& 
     return total;
 }
 
-double median_ratio(const std::vector<double>& over, const std::vector<double>& under) {
-    std::vector<double> ratios;
-    for (size_t i = 0; i < over.size(); ++i) { ratios.push_back(over[i] / under[i]); }
-    return median(ratios);
-}
-
 void print_goal(const char* what, double value, double goal) {
     std::printf("    %-62s %5.2f  (goal %.2f)%s\n", what, value, goal, value > goal ? "  missed" : "");
 }
@@ -168,7 +115,7 @@ void run(const View& view, const GpuScene& scene, const ShadowMap& shadows, cons
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
     params.ao_samples = taps.ao;
     params.samples = taps.gather;
-    const glm::mat4 projection = projection_matrix(view.camera, float(kWidth) / kHeight, ClipRange::standard);
+    const glm::mat4 projection = projection_matrix(view.camera, kAspect, ClipRange::standard);
     CopyPass copy;
     for (int frame = 0; frame < kWarmUp + kFrames; ++frame) {
         for (const auto& renderer : renderers) { renderer->render(view_matrix(view.camera), projection, params); }
@@ -185,31 +132,11 @@ void run(const std::string& argument) {
     for (const Taps taps : kTaps) { run(view, scene, shadows, light, taps); }
 }
 
-// A software rasteriser allocates its scene memory each frame: keep it in the process, as a long-running engine would.
-void steady_memory() {
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TRIM_THRESHOLD, 0x7fffffff);
-    mallopt(M_TOP_PAD, 64 << 20);
+void run(const Options& options) {
+    if (options.scenes.empty()) { run(std::string()); }
+    for (const std::string& scene : options.scenes) { run(scene); }
 }
 
 } // namespace
 
-int main(int argc, char** argv) {
-    steady_memory();
-    headless window{};
-    char error[256] = "";
-    if (!headless_create(&window, 4, 5, false, false, error, sizeof error)) {
-        std::fprintf(stderr, "shading: %s\n", error);
-        return 1;
-    }
-    std::printf("%s\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
-    try {
-        if (argc < 2) { run(""); }
-        for (int i = 1; i < argc; ++i) { run(argv[i]); }
-    } catch (const std::exception& failure) {
-        std::fprintf(stderr, "shading: %s\n", failure.what());
-        return 1;
-    }
-    headless_destroy(&window);
-    return 0;
-}
+int main(int argc, char** argv) { return run_benchmark("shading", argc, argv, run); }

@@ -62,7 +62,7 @@ static void replacing_pass_begin(void* user, const dgb_pass* pass) {
 /* >> one image: how it is made, and everything the passes wrote */
 
 typedef struct setup {
-    int width, height, guard, layers, frames;
+    int width, height, guard, layers, divisor, frames;
     dgb_oracle oracle;
     dgb_senders senders;
     dgb_normaliser normaliser;
@@ -106,6 +106,7 @@ static dgb_desc desc_of(const setup* s) {
     d.height = s->height;
     d.guard_band = s->guard;
     d.layers = s->layers;
+    d.divisor = s->divisor;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
     d.oracle = s->oracle;
     d.senders = s->senders;
@@ -412,6 +413,12 @@ static void test_reference(void** state) {
     s = default_setup();
     s.layers = 3;
     compare_all("three layers, two shaded", &s);
+    s.layers = 2;
+    s.divisor = 2;
+    compare_all("layer 1 at half the resolution", &s);
+    s.divisor = 4;
+    s.width += 1; /* no multiple of it */
+    compare_all("layer 1 at a quarter of the resolution", &s);
 }
 
 static void test_reference_cameras(void** state) {
@@ -498,15 +505,16 @@ static void check_packed_layer(const shot* s, int layer, double* worst) {
     const float nothing[3] = {0.0f, 0.0f, 0.0f};
     int i;
     for (i = 0; i < w * h; ++i) {
-        const float z = s->z[i * s->r.layers + layer], expected = dgb_linear_z(depth[i], &c->camera);
+        const int d = layer > 0 ? s->r.divisor : 1, from = i / w / d * w + i % w / d; /* texel of the layer */
+        const float z = s->z[i * s->r.layers + layer], expected = dgb_linear_z(depth[from], &c->camera);
         const double error = fabs((double)z - (double)expected);
         if (layer && z == 0.0f && !dgb_keep_test(expected, s->z[i * s->r.layers], 0.5f)) continue;
         assert_true((z == 0.0f) == (expected == 0.0f));
         assert_true(error <= 4.0 * REFERENCE_EPSILON * fabs((double)expected));
         *worst = error > *worst * fabs((double)z) ? error / fabs((double)z) : *worst;
-        assert_memory_equal(s->normals + (i * s->r.layers + layer) * 2, z != 0.0f ? normal + 4 * i : nothing,
+        assert_memory_equal(s->normals + (i * s->r.layers + layer) * 2, z != 0.0f ? normal + 4 * from : nothing,
                             2 * sizeof(float));
-        assert_memory_equal(s->radiance[layer] + 3 * i, z != 0.0f ? radiance + 3 * i : nothing, 3 * sizeof(float));
+        assert_memory_equal(s->radiance[layer] + 3 * i, z != 0.0f ? radiance + 3 * from : nothing, 3 * sizeof(float));
     }
     free(depth), free(normal), free(radiance);
 }
@@ -514,13 +522,14 @@ static void check_packed_layer(const shot* s, int layer, double* worst) {
 static void test_pack(void** state) {
     int kind, layer;
     (void)state;
-    for (kind = 0; kind < 4; ++kind) {
+    for (kind = 0; kind < 5; ++kind) {
         setup s = default_setup();
         shot t;
         double worst = 0.0;
         if (kind == 1) s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE, s.view.far_plane = 0.0f;
         if (kind == 2) s.view.fov = 0.0f;
         if (kind == 3) s.layers = 1;
+        if (kind == 4) s.divisor = 4, s.width += 3;
         t = take(&s);
         for (layer = 0; layer < s.layers; ++layer) check_packed_layer(&t, layer, &worst);
         printf("# camera z off by %g relative at most\n", worst);

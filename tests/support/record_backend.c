@@ -154,6 +154,19 @@ bool record_is_alive(const record_backend* r, dgb_texture texture) {
     return object && object->alive;
 }
 
+const char* record_texture_name(const record_backend* r, dgb_texture texture) {
+    const record_object* object = find(r, texture.id);
+    return object ? dgb_slot_name(object->texture.slot) : "none";
+}
+
+dgb_texture record_bound(const record_backend* r, dgb_slot slot) {
+    dgb_texture none = {0};
+    int i;
+    for (i = 0; i < r->bind_count; ++i)
+        if (r->bound[i] == slot) return r->bound_textures[i];
+    return none;
+}
+
 dgb_texture record_engine_texture(record_backend* r, dgb_slot slot, int width, int height) {
     record_object* object = add_object(r);
     dgb_texture texture;
@@ -266,6 +279,35 @@ static void check_target(record_backend* r, const dgb_target* target, const dgb_
                  target->level);
 }
 
+/* The image that deeper layers compete in, of IMAGE emission: there when all layers are drawn at once, else not. */
+static void check_key(const record_backend* r, const dgb_pass* pass) {
+    const dgb_texture_desc* t;
+    if (!pass->key.id) {
+        if (pass->key_layers)
+            fail_msg("pass %s has %d key layers and no key", dgb_pass_name(pass->id), pass->key_layers);
+        return;
+    }
+    t = &find_alive(r, pass->key.id, false, "pass_begin")->texture;
+    if (pass->id != DGB_PASS_LAYERS || pass->emission != DGB_EMISSION_IMAGE || t->slot != DGB_KEY ||
+        pass->key_layers != t->layers || pass->depth.layer != 0)
+        fail_msg("pass %s has %s as key, %d layers of %d", dgb_pass_name(pass->id), dgb_slot_name(t->slot),
+                 pass->key_layers, t->layers);
+}
+
+/* Layered passes give the deeper layers a viewport of their own, which no pass but those has. */
+static void check_deep_viewport(const record_backend* r, const dgb_pass* pass) {
+    const dgb_texture_desc* t;
+    if (pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT) {
+        if (pass->deep_width != 0.0f || pass->deep_height != 0.0f)
+            fail_msg("pass %s has a second viewport", dgb_pass_name(pass->id));
+        return;
+    }
+    t = &find_alive(r, pass->depth.texture.id, false, "pass_begin")->texture;
+    if (!(pass->deep_width >= 1.0f) || !(pass->deep_height >= 1.0f) || pass->deep_width > (float)t->width ||
+        pass->deep_height > (float)t->height)
+        fail_msg("second viewport %g %g", (double)pass->deep_width, (double)pass->deep_height);
+}
+
 static void on_pass_begin(void* user, const dgb_pass* pass) {
     record_backend* r = self(user);
     int i;
@@ -285,6 +327,8 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
         record_printf(&r->trace, " depth");
         print_target(r, &pass->depth);
     }
+    check_key(r, pass);
+    check_deep_viewport(r, pass);
     record_printf(&r->trace, " [%d %d %g %g]", pass->x, pass->y, (double)pass->width, (double)pass->height);
     if (pass->deep_width != pass->width && pass->deep_width > 0.0f)
         record_printf(&r->trace, " deep [%g %g]", (double)pass->deep_width, (double)pass->deep_height);
@@ -299,7 +343,8 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
    layer j. */
 static void check_no_feedback(const record_backend* r, dgb_texture texture, int level) {
     const dgb_pass* pass = &r->pass;
-    const bool peels = pass->id == DGB_PASS_LAYERS && pass->depth.layer >= 0;
+    const bool peels =
+        (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_PREDICT) && pass->depth.layer >= 0 && !pass->key.id;
     int i;
     for (i = 0; i < pass->color_count; ++i)
         if (pass->colors[i].texture.id == texture.id && (level < 0 || level == pass->colors[i].level))
@@ -318,6 +363,7 @@ static void on_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int 
     for (i = 0; i < r->bind_count; ++i)
         if (r->bound[i] == slot) fail_msg("%s is bound twice", dgb_slot_name(slot));
     if (r->bind_count == DGB_MAX_INPUTS) fail_msg("more than %d inputs", DGB_MAX_INPUTS);
+    r->bound_textures[r->bind_count] = texture;
     r->bound[r->bind_count++] = slot;
     check_no_feedback(r, texture, level);
     record_printf(&r->trace, " bind %s", dgb_slot_name(slot));
@@ -391,6 +437,7 @@ void record_start(record_backend* r) {
     b->caps.max_size = DGB_MAX_SIZE;
     b->caps.max_layers = DGB_MAX_LAYERS;
     b->caps.clip_zero_to_one = true;
+    b->caps.deep_viewport = true;
     for (i = 0; i < DGB_EMISSION_COUNT; ++i) b->caps.emission[i] = true;
     b->begin = on_begin;
     b->end = on_end;

@@ -51,7 +51,8 @@ typedef struct record_object {
 typedef struct record_uniforms {
     dgb_pass_id pass;
     union {
-        dgb_draw_uniforms draw;
+        dgb_draw_uniforms draw; /* LAYERS and PREDICT */
+        int32_t resolve[4];
         dgb_pack_uniforms pack;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
@@ -72,6 +73,7 @@ typedef struct record_backend {
     dgb_pass pass;
     int bind_count;
     dgb_slot bound[DGB_MAX_INPUTS];
+    dgb_texture bound_textures[DGB_MAX_INPUTS];
     record_uniforms uniforms[RECORD_MAX_UNIFORMS]; /* in the order of upload */
     int uniform_count;
 } record_backend;
@@ -85,6 +87,11 @@ void record_drop_callback(record_backend* r, int callback); /* 0..RECORD_CALLBAC
 int record_alive(const record_backend* r); /* objects of the library that are alive */
 bool record_is_alive(const record_backend* r, dgb_texture texture);
 dgb_texture record_engine_texture(record_backend* r, dgb_slot slot, int width, int height);
+
+/* Name of the texture as it was created ("depth"), whatever slot it is in now; "none" for no texture. */
+const char* record_texture_name(const record_backend* r, dgb_texture texture);
+/* The texture bound to a slot of the running pass; id 0 when there is none. */
+dgb_texture record_bound(const record_backend* r, dgb_slot slot);
 
 /* The n-th upload, from 0, for that pass since record_clear; fails when there is none. */
 const record_uniforms* record_uniforms_of(const record_backend* r, dgb_pass_id pass, int n);

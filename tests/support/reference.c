@@ -60,6 +60,7 @@ void reference_open(reference* r, const dgb_context* context, const float* z, co
     r->levels = 1;
     while (r->levels < DGB_MAX_LEVELS && reference_size(r->width, r->levels) && reference_size(r->height, r->levels))
         ++r->levels;
+    r->divisor = context->desc.divisor > 1 ? context->desc.divisor : 1;
     for (i = 0; i < 16; ++i) r->projection[i] = (double)context->drawn.projection[i];
     r->camera = context->camera;
     make_chain(r, z, r->layers, r->z);
@@ -113,16 +114,22 @@ static void normal_at(const reference* r, const place* p, int layer, double n[3]
     for (i = 0; i < 3; ++i) n[i] /= length;
 }
 
-/* The point that projects to a pixel's centre at camera z: x p_x + z p_z + p_1 = ndc (z w_z + w_1). */
-static void point_at(const reference* r, const int pixel[2], double z, double point[3]) {
+/* The point that projects to the middle of a pixel, or of the deeper layer's larger texel that the pixel shows, at camera z:
+   x p_x + z p_z + p_1 = ndc (z w_z + w_1). */
+static void point_in(const reference* r, int layer, const int pixel[2], double z, double point[3]) {
+    const int divisor = layer > 0 ? r->divisor : 1;
     const double* p = r->projection;
     const double w = p[11] * z + p[15], size[2] = {r->width, r->height};
     int axis;
     for (axis = 0; axis < 2; ++axis) {
-        const double ndc = 2.0 * (pixel[axis] + 0.5) / size[axis] - 1.0;
+        const double ndc = 2.0 * (pixel[axis] / divisor + 0.5) * divisor / size[axis] - 1.0;
         point[axis] = (ndc * w - p[8 + axis] * z - p[12 + axis]) / p[5 * axis];
     }
     point[2] = z;
+}
+
+static void point_at(const reference* r, const int pixel[2], double z, double point[3]) {
+    point_in(r, 0, pixel, z, point);
 }
 
 /* What floats may be off in a point at z: a few roundings of numbers as large as the frustum is there. */
@@ -204,7 +211,7 @@ static double occlusion_tap(const reference* r, const dgb_params* q, const place
         const double z = z_at(r, tap, layer);
         double y[3], v[3], term, term_error;
         if (z == 0.0) continue;
-        point_at(r, tap->pixel, z, y);
+        point_in(r, layer, tap->pixel, z, y);
         subtract(y, x, v);
         term = occlusion_term(v, n, q, point_error(r, z) + point_error(r, x[2]), &term_error);
         best = term > best ? term : best;
@@ -278,7 +285,7 @@ static sender sender_at(const reference* r, const dgb_params* q, const place* ta
     int i;
     memset(&s, 0, sizeof s);
     if (z == 0.0) return s;
-    point_at(r, tap->pixel, z, y);
+    point_in(r, layer, tap->pixel, z, y);
     subtract(y, x, v);
     normal_at(r, tap, layer, n_y);
     judge_sender(&s, v, n_x, n_y, q, point_error(r, z) + point_error(r, x[2]));

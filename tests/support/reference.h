@@ -12,6 +12,7 @@
 
 typedef struct reference { /* the packed shading input */
     int width, height, layers, levels;
+    int divisor;                        /* of layer 1's resolution */
     float* z[DGB_MAX_LEVELS];           /* `layers` a texel */
     float* normals[DGB_MAX_LEVELS];     /* 2 * layers a texel: bytes over 255 */
     float* radiance[2][DGB_MAX_LEVELS]; /* 3 a texel; null: none */
