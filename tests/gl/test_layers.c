@@ -405,6 +405,42 @@ static void test_motion(void** state) {
     for (o = 0; o < 3; ++o) free_layers(&b[o]);
 }
 
+/* What a steady frame submits: draw callbacks, and how often it shades each vertex. */
+static void test_submissions(void** state) {
+    enum { K = 3 };
+    static const struct {
+        dgb_oracle oracle;
+        dgb_emission emission;
+        int callbacks, shadings;
+    } cases[] = {{DGB_ORACLE_PEEL, DGB_EMISSION_SEPARATE, K, K},
+                 {DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE, K, K},
+                 {DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX, 1, K},
+                 {DGB_ORACLE_REPROJECT, DGB_EMISSION_GEOMETRY, 1, 1},
+                 {DGB_ORACLE_REPROJECT, DGB_EMISSION_INSTANCED_GEOMETRY, 1, 1},
+                 {DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE, 1, 1},
+                 {DGB_ORACLE_DELAY, DGB_EMISSION_GEOMETRY, 2, 2}, /* once a pose */
+                 {DGB_ORACLE_PREDICT, DGB_EMISSION_INSTANCED_GEOMETRY, 2, 2}};
+    size_t i;
+    (void)state;
+    if (!epoxy_has_gl_extension("GL_ARB_pipeline_statistics_query")) skip();
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        setup s = default_setup(cases[i].oracle, cases[i].emission);
+        built b;
+        s.layers = K;
+        f.draws = 0, f.vertices_shaded = 0, f.counts_vertices = true;
+        b = build_frames(&s, 2); /* the first frame peels */
+        free_layers(&b);
+        f.counts_vertices = false;
+        {
+            const bool predicts = s.oracle == DGB_ORACLE_PREDICT || s.oracle == DGB_ORACLE_DELAY;
+            const int first_callbacks = K + (predicts ? K - 1 : 0), vertices = f.static_count + f.moving_count;
+            /* peeling through an instanced geometry shader or a vertex-shader layer still shades once a callback */
+            assert_int_equal(f.draws, first_callbacks + cases[i].callbacks);
+            assert_int_equal(f.vertices_shaded, (long long)vertices * (first_callbacks + cases[i].shadings));
+        }
+    }
+}
+
 static void test_empty_scene(void** state) {
     dgb_context c;
     setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO);
@@ -466,6 +502,7 @@ int main(void) {
         cmocka_unit_test(test_conventions),
         cmocka_unit_test(test_k_layers),
         cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_submissions),
         cmocka_unit_test(test_empty_scene),
         cmocka_unit_test(test_no_messages),
     };

@@ -287,11 +287,8 @@ static void set_offset(GLuint program, const char* name, float x) {
     glUniform3f(glGetUniformLocation(program, name), x, 0.0f, 0.0f);
 }
 
-void fixture_draw(void* user, const dgb_draw* draw) {
-    const fixture_draw_user* u = (const fixture_draw_user*)user;
-    fixture* f = u->f;
-    ++f->draws;
-    if (u->nothing) return;
+static void draw_room(const fixture_draw_user* u, const dgb_draw* draw) {
+    const fixture* f = u->f;
     glUseProgram(u->program);
     glBindVertexArray(f->vertex_array);
     set_matrix(u->program, "view", draw->view);
@@ -304,6 +301,28 @@ void fixture_draw(void* user, const dgb_draw* draw) {
     set_offset(u->program, "offset", f->offsets[2 + draw->pose]);
     set_offset(u->program, "previous_offset", f->offsets[1 + draw->pose]);
     glDrawArraysInstanced(GL_TRIANGLES, f->static_count, f->moving_count, draw->instances);
+}
+
+static void draw_and_count(const fixture_draw_user* u, const dgb_draw* draw) {
+    GLuint query;
+    GLuint64 count = 0;
+    glGenQueries(1, &query);
+    glBeginQuery(GL_VERTEX_SHADER_INVOCATIONS_ARB, query);
+    draw_room(u, draw);
+    glEndQuery(GL_VERTEX_SHADER_INVOCATIONS_ARB);
+    glGetQueryObjectui64v(query, GL_QUERY_RESULT, &count);
+    glDeleteQueries(1, &query);
+    u->f->vertices_shaded += (long long)count;
+}
+
+void fixture_draw(void* user, const dgb_draw* draw) {
+    const fixture_draw_user* u = (const fixture_draw_user*)user;
+    ++u->f->draws;
+    if (u->nothing) return;
+    if (u->f->counts_vertices)
+        draw_and_count(u, draw);
+    else
+        draw_room(u, draw);
 }
 
 /* >> reading */

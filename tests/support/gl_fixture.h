@@ -15,8 +15,10 @@ typedef struct fixture {
     int messages; /* KHR_debug messages above notification so far */
     GLuint vertices, vertex_array;
     int static_count, moving_count; /* vertices of the room, then of the moving box */
-    float offsets[4]; /* of the moving box, m: two frames before the view's, one before, at it, one after */
-    int draws;        /* draw callbacks so far */
+    float offsets[4];     /* of the moving box, m: two frames before the view's, one before, at it, one after */
+    bool counts_vertices; /* count vertex-shader invocations: slow, and needs GL_ARB_pipeline_statistics_query */
+    long long vertices_shaded;
+    int draws; /* draw callbacks so far */
 } fixture;
 
 typedef struct fixture_view { /* where the camera is; `fixture_default_view` stands in the room */
