@@ -72,7 +72,7 @@ setup: ## install what the examples and the tests need and this machine lacks
 
 # What `make demo` renders, a command a line.
 define demo_commands
-build/release/render --out build/demo/atrium
+build/release/render --out build/demo/atrium --preset quality --samples 60 --ao-samples 40
 endef
 
 demo: ## set up, build and render the atrium into build/demo
