@@ -32,6 +32,19 @@
    With a depth buffer of your own and nothing else: set desc.source = DGB_SOURCE_ENGINE, call dgb_set_layers instead of
    dgb_build. examples/minimal.c is a whole program; examples/ao_from_depth.c is the shortest use.
 
+   STEP BY STEP
+       1 init       Fill a dgb_desc (0 = default), call dgb_init. What was chosen is in context.plan.
+       2 build      dgb_build calls you back with matrices to draw with: widened by the guard band, jittered. Draw every
+                    opaque object once, as dgb_draw says. Alpha test before the keep test.
+       3 light      Each layer is an image of the arrays DGB_DEPTH, DGB_ALBEDO, DGB_NORMAL: light it as you light your own
+                    G-buffer and add the result to that layer of DGB_RADIANCE, or let the material shaders write lit
+                    radiance in step 2. The image sits guard_band pixels inside the buffer; layers behind the first fill
+                    width / divisor x height / divisor texels, texel q at pixel (q + 0.5) * divisor.
+       4 shade      dgb_shade runs the passes that desc.effects asked for.
+       5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, confidence),
+                    AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere.
+       A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
+
    CONVENTIONS
        Camera space is right-handed and looks down -Z; lengths are metres (any unit will do if you use it everywhere).
        z is negative in front of the eye; functions give and take z = 0 for "no surface". Distance means -z.
@@ -44,6 +57,8 @@
 
    DATA FLOW (the order of the code below, of shaders_embedded/ and of the tests)
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
+             -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
+             -> [predict]     PREDICT and DELAY: depth of the next pose
              -> [pack]        camera z and normals of two layers, radiance of each: 160 bits a pixel
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [ao]          ambient visibility
@@ -82,6 +97,18 @@
        With strict separation (params, on in every preset) the pack pass empties each layer-1 texel that is not more than
        the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
 
+   CHOOSING QUALITY
+       Set three lengths to your scene first: separation (what lies behind a column is about that far behind: 0.5 m in
+       rooms and courts), ao_radius (the size of a crease that should darken) and radius (how far light bounces).
+       Then take a preset, the paper's Table 2; every number can be changed from frame to frame without compiling anything.
+       samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
+       min_level trades noise for cache, guard_fraction matters to light that bounces on.
+       desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
+       the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
+       desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
+       everywhere. PAPER is Equation 4 and can give twice that.
+       Cost of each: `make bench`.
+
    WRITING A BACKEND
        Fill a dgb_backend with `version = DGB_VERSION`, the caps, and the callbacks. The library calls, between
        `begin` and `end` (both optional: save and restore the host's state there):
@@ -92,6 +119,10 @@
        are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
+       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once), viewport,
+       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; RESOLVE writes depth from a
+       full-screen triangle; the others have no depth. caps.emission says what the backend can do; SEPARATE is enough.
+       tests/support/record_backend.c is a backend without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
        function                 domain             error                        at 0, NaN, infinity, out of range
@@ -109,13 +140,15 @@
        dgb_gather_term          any float          a few ulp                    not finite, v = 0: 0
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
+       Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
 
    THREADS
        No globals. Math functions are pure. One context is used by one thread at a time, on the thread of its device.
 
    ERRORS
        Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason is
-       a dgb_log_item and one sentence, given to desc.log.
+       a dgb_log_item and one sentence, given to desc.log. A context that is null or not live gives DGB_INVALID and no
+       sentence: it has no log.
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
@@ -196,7 +229,6 @@ typedef enum dgb_result {
     X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                 \
     X(TEXTURE, "the backend could not create a texture")                                                         \
     X(PROGRAM, "the backend could not create a program")                                                         \
-    X(NOT_INITIALISED, "the context is not initialised")                                                         \
     X(MATRIX, "view, projection or jitter holds a value that is not finite")                                     \
     X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                               \
     X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round") \
@@ -1285,7 +1317,8 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
-        return d->oracle || d->emission || d->targets || d->divisor > 1 ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
+        return d->oracle || d->emission || d->targets || !dgbi_in_range(d->divisor, 0, 1) ? DGB_LOG_SOURCE_OPTIONS
+                                                                                          : DGB_LOG_NONE;
     if ((targets & ~(uint32_t)DGB_TARGET_ALL) || (dgbi_required_targets(d->effects) & ~targets)) return DGB_LOG_TARGETS;
     if (d->oracle == DGB_ORACLE_PEEL && d->emission > DGB_EMISSION_SEPARATE) return DGB_LOG_PEEL_EMISSION;
     if (!dgbi_divisor_ok(d)) return DGB_LOG_DIVISOR;
@@ -1923,6 +1956,7 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     dgbi_multiply_affine(step, affine, result);
     for (column = 0; column < 4; ++column)
         for (row = 0; row < 3; ++row) next[column * 4 + row] = (float)result[column * 3 + row];
+    if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
 static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_pose* pose) {
