@@ -1839,16 +1839,18 @@ static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const 
 static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
     const bool image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
     const int layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
-    const float shrink = layer > 0 ? (float)c->desc.divisor : 1.0f;
+    /* no quotient: with -ffast-math a whole width may come out a little less */
+    const float deep = c->desc.divisor == 4 ? 0.25f : c->desc.divisor == 2 ? 0.5f : 1.0f;
+    const float scale = layer > 0 ? deep : 1.0f;
     dgb_draw_uniforms uniforms;
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);
     pass.depth.texture = c->textures[b->depth];
     pass.depth.layer = layer;
-    pass.width = (float)c->plan.width / shrink;
-    pass.height = (float)c->plan.height / shrink;
-    pass.deep_width = (float)c->plan.width / (float)c->desc.divisor;
-    pass.deep_height = (float)c->plan.height / (float)c->desc.divisor;
+    pass.width = (float)c->plan.width * scale;
+    pass.height = (float)c->plan.height * scale;
+    pass.deep_width = (float)c->plan.width * deep;
+    pass.deep_height = (float)c->plan.height * deep;
     pass.clear = true;
     pass.clear_depth = dgbi_clear_depth(c->desc.reversed);
     pass.reversed = c->desc.reversed;

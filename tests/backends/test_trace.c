@@ -40,6 +40,7 @@ typedef struct fixture {
     dgb_log_item log_item;
     int draw_count;
     dgb_draw draws[MAX_DRAWS];
+    dgb_pass passes[MAX_DRAWS]; /* that each draw was in */
 } fixture;
 
 static void on_log(void* user, dgb_result result, dgb_log_item item, const char* sentence) {
@@ -52,11 +53,20 @@ static void on_log(void* user, dgb_result result, dgb_log_item item, const char*
 
 static void on_draw(void* user, const dgb_draw* draw) {
     fixture* f = (fixture*)user;
+    const dgb_texture oracle = record_bound(&f->r, DGB_ORACLE);
     if (!f->r.in_pass) fail_msg("draw callback of layer %d outside of a pass", draw->first_layer);
     if (f->draw_count == MAX_DRAWS) fail_msg("more than %d draws", MAX_DRAWS);
+    /* peeling compares with what this frame has drawn, every other oracle with what it has not */
+    if (oracle.id && (oracle.id == f->r.pass.depth.texture.id) != (draw->oracle == DGB_ORACLE_PEEL))
+        fail_msg("oracle %s reads %s and writes %s", dgb_oracle_name(draw->oracle), record_texture_name(&f->r, oracle),
+                 record_texture_name(&f->r, f->r.pass.depth.texture));
+    f->passes[f->draw_count] = f->r.pass;
     f->draws[f->draw_count++] = *draw;
-    record_printf(&f->r.trace, " draw scene: layers %d+%d, instances %d, oracle %s, emission %s\n", draw->first_layer,
+    record_printf(&f->r.trace, " draw scene: layers %d+%d, instances %d, oracle %s, emission %s", draw->first_layer,
                   draw->layer_count, draw->instances, dgb_oracle_name(draw->oracle), dgb_emission_name(draw->emission));
+    if (draw->pose) record_printf(&f->r.trace, ", pose %d", draw->pose);
+    if (draw->depth_only) record_printf(&f->r.trace, ", depth only");
+    record_printf(&f->r.trace, "\n");
 }
 
 /* A standard perspective projection, 90 degrees, 0.1 m to 100 m, at the origin. */
@@ -139,11 +149,24 @@ typedef struct construction {
 } construction;
 
 static const construction constructions[] = {
-    {DGB_ORACLE_PEEL, DGB_EMISSION_SEPARATE},      {DGB_ORACLE_PREVIOUS, DGB_EMISSION_SEPARATE},
-    {DGB_ORACLE_PREVIOUS, DGB_EMISSION_GEOMETRY},  {DGB_ORACLE_PREVIOUS, DGB_EMISSION_VERTEX},
-    {DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE}, {DGB_ORACLE_REPROJECT, DGB_EMISSION_GEOMETRY},
-    {DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX}};
-enum { CONSTRUCTION_COUNT = 7 };
+    {DGB_ORACLE_PEEL, DGB_EMISSION_SEPARATE},
+    {DGB_ORACLE_PREVIOUS, DGB_EMISSION_SEPARATE},
+    {DGB_ORACLE_PREVIOUS, DGB_EMISSION_GEOMETRY},
+    {DGB_ORACLE_PREVIOUS, DGB_EMISSION_VERTEX},
+    {DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE},
+    {DGB_ORACLE_REPROJECT, DGB_EMISSION_GEOMETRY},
+    {DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX},
+    /* the golden file holds these too, but for one emission of PREDICT and DELAY that goes like GEOMETRY */
+    {DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE},
+    {DGB_ORACLE_PREDICT, DGB_EMISSION_SEPARATE},
+    {DGB_ORACLE_PREDICT, DGB_EMISSION_VERTEX},
+    {DGB_ORACLE_PREDICT, DGB_EMISSION_IMAGE},
+    {DGB_ORACLE_DELAY, DGB_EMISSION_SEPARATE},
+    {DGB_ORACLE_DELAY, DGB_EMISSION_VERTEX},
+    {DGB_ORACLE_DELAY, DGB_EMISSION_IMAGE},
+    {DGB_ORACLE_PREDICT, DGB_EMISSION_INSTANCED_GEOMETRY},
+    {DGB_ORACLE_DELAY, DGB_EMISSION_MULTICAST}};
+enum { OLD_CONSTRUCTIONS = 7, GOLDEN_CONSTRUCTIONS = 14, CONSTRUCTION_COUNT = 16 };
 
 static void configure(fixture* f, construction c, int layers, uint32_t effects) {
     start(f);
@@ -153,14 +176,16 @@ static void configure(fixture* f, construction c, int layers, uint32_t effects) 
     f->desc.effects = effects;
 }
 
-/* Builds of the first and second frame; with `shading`, what dgb_shade did in both goes there. */
-static void trace_two_frames(construction c, int layers, uint32_t effects, record_text* text, record_text* shading) {
+/* Builds of the first frames; with `shading`, what dgb_shade did in the last goes there. */
+static void trace_frames(int frames, int divisor, construction c, int layers, uint32_t effects, record_text* text,
+                         record_text* shading) {
     fixture f;
     int frame;
     configure(&f, c, layers, effects);
+    f.desc.divisor = divisor;
     init(&f);
     record_clear(&f.r);
-    for (frame = 0; frame < 2; ++frame) {
+    for (frame = 0; frame < frames; ++frame) {
         record_printf(text, "-- frame %d\n", frame);
         build(&f);
         take_trace(&f, text);
@@ -173,10 +198,22 @@ static void trace_two_frames(construction c, int layers, uint32_t effects, recor
     stop(&f);
 }
 
+static void trace_two_frames(construction c, int layers, uint32_t effects, record_text* text, record_text* shading) {
+    trace_frames(2, 1, c, layers, effects, text, shading);
+}
+
 static void print_builds(record_text* text, construction c, int layers) {
     record_printf(text, "== build, layers %d, oracle %s, emission %s\n", layers, dgb_oracle_name(c.oracle),
                   dgb_emission_name(c.emission));
     trace_two_frames(c, layers, 0, text, NULL);
+    record_printf(text, "\n");
+}
+
+/* Three frames: with two the textures that change places are back where they were. */
+static void print_three_builds(record_text* text, construction c, int layers, int divisor) {
+    record_printf(text, "== three builds, layers %d, oracle %s, emission %s, divisor %d\n", layers,
+                  dgb_oracle_name(c.oracle), dgb_emission_name(c.emission), divisor);
+    trace_frames(3, divisor, c, layers, 0, text, NULL);
     record_printf(text, "\n");
 }
 
@@ -233,10 +270,10 @@ static void test_golden_traces(void** state) {
     uint32_t effects;
     int i;
     (void)state;
-    for (i = 0; i < CONSTRUCTION_COUNT; ++i) print_builds(&text, constructions[i], 2);
+    for (i = 0; i < OLD_CONSTRUCTIONS; ++i) print_builds(&text, constructions[i], 2);
     print_builds(&text, constructions[0], 1);
     print_builds(&text, constructions[0], 3);
-    for (i = 4; i < CONSTRUCTION_COUNT; ++i) print_builds(&text, constructions[i], 3);
+    for (i = 4; i < OLD_CONSTRUCTIONS; ++i) print_builds(&text, constructions[i], 3);
     for (effects = 0; effects < 4; ++effects) {
         print_shading(&text, 1, effects);
         print_shading(&text, 2, effects);
@@ -246,6 +283,14 @@ static void test_golden_traces(void** state) {
     print_engine(&text, 2, DGB_NORMALS_FLOAT);
     print_life(&text, 2, BOTH, DGB_SOURCE_BUILD);
     print_life(&text, 1, DGB_EFFECT_AO, DGB_SOURCE_ENGINE);
+    for (i = OLD_CONSTRUCTIONS; i < GOLDEN_CONSTRUCTIONS; ++i) {
+        print_three_builds(&text, constructions[i], 2, 1);
+        print_three_builds(&text, constructions[i], 3, 1);
+    }
+    print_three_builds(&text, constructions[4], 3, 2);  /* separate */
+    print_three_builds(&text, constructions[6], 3, 4);  /* vertex */
+    print_three_builds(&text, constructions[12], 3, 2); /* delay, vertex */
+    print_three_builds(&text, constructions[8], 3, 4);  /* predict, separate */
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -278,39 +323,530 @@ static void test_building_and_shading_are_apart(void** state) {
 
 /* >> what the draw callback is told */
 
-static void check_draw(const fixture* f, int i, int first, int count, int instances, dgb_oracle oracle) {
-    const dgb_draw* d = &f->draws[i];
-    if (i >= f->draw_count) fail_msg("only %d draws", f->draw_count);
-    if (d->first_layer != first || d->layer_count != count || d->instances != instances || d->oracle != oracle ||
-        d->width != 80 || d->height != 64)
-        fail_msg("draw %d: layers %d+%d, instances %d, oracle %s, %dx%d", i, d->first_layer, d->layer_count,
-                 d->instances, dgb_oracle_name(d->oracle), d->width, d->height);
+/* A second account of dgb_build, as plain as can be: from the views of all frames, which draws there are and what each is
+   told. */
+
+enum { MAX_EXPECTED = 16 };
+
+typedef struct expected_draw {
+    dgb_pass_id pass;
+    int first, count, instances, pose_offset;
+    dgb_oracle oracle;
+    dgb_pose pose, previous;
+    dgb_camera camera, oracle_camera;
+    bool guessed; /* the view is an extrapolation: compared within a tolerance */
+} expected_draw;
+
+typedef struct model {
+    fixture* f;
+    dgb_oracle oracle;
+    dgb_emission emission;
+    int layers;
+    bool running;
+    dgb_pose drawn, submitted; /* last */
+    dgb_camera oracle_camera;
+    int count;
+    expected_draw draws[MAX_EXPECTED];
+} model;
+
+static dgb_pose pose_of(const fixture* f) {
+    dgb_pose pose;
+    memcpy(pose.view, f->view.view, sizeof pose.view);
+    dgb_widen_projection(f->view.projection, f->context.desc.width, f->context.desc.height, 8, f->view.jitter,
+                         pose.projection);
+    return pose;
 }
 
-static void check_frames(construction c, int layers) {
-    const bool single = c.emission != DGB_EMISSION_SEPARATE;
+static dgb_camera camera_of(const fixture* f, const dgb_pose* pose) {
+    dgb_camera camera;
+    memset(&camera, 0, sizeof camera);
+    if (dgb_camera_from_matrix(pose->projection, f->context.desc.width + 16, f->context.desc.height + 16, f->desc.clip,
+                               f->desc.reversed, &camera) != DGB_OK)
+        fail_msg("no camera");
+    return camera;
+}
+
+/* inverse of a 4 x 4 matrix by elimination with pivots; column-major */
+static void invert_in_double(const double m[16], double inverse[16]) {
+    double a[4][8];
+    int row, column, k;
+    for (row = 0; row < 4; ++row)
+        for (column = 0; column < 8; ++column) a[row][column] = column < 4 ? m[column * 4 + row] : column - 4 == row;
+    for (k = 0; k < 4; ++k) {
+        int pivot = k;
+        for (row = k; row < 4; ++row)
+            if (fabs(a[row][k]) > fabs(a[pivot][k])) pivot = row;
+        for (column = 0; column < 8; ++column) {
+            const double t = a[k][column];
+            a[k][column] = a[pivot][column];
+            a[pivot][column] = t;
+        }
+        for (row = 0; row < 4; ++row) {
+            const double factor = row == k ? 0.0 : a[row][k] / a[k][k];
+            for (column = 0; column < 8; ++column) a[row][column] -= factor * a[k][column];
+        }
+    }
+    for (row = 0; row < 4; ++row)
+        for (column = 0; column < 4; ++column) inverse[column * 4 + row] = a[row][column + 4] / a[row][row];
+}
+
+/* c = a b, and the sum of magnitudes that every entry was made of */
+static void multiply_in_double(const double a[16], const double b[16], double c[16], double size[16]) {
+    int row, column, k;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 4; ++row) {
+            c[column * 4 + row] = size[column * 4 + row] = 0.0;
+            for (k = 0; k < 4; ++k) {
+                c[column * 4 + row] += a[k * 4 + row] * b[column * 4 + k];
+                size[column * 4 + row] += fabs(a[k * 4 + row] * b[column * 4 + k]);
+            }
+        }
+}
+
+static void check_extrapolation(const float before[16], const float now[16], const float next[16]) {
+    double b[16], n[16], inverse[16], step[16], expected[16], size[16];
+    int i;
+    for (i = 0; i < 16; ++i) b[i] = (double)before[i], n[i] = (double)now[i];
+    invert_in_double(b, inverse);
+    multiply_in_double(n, inverse, step, size);
+    multiply_in_double(step, n, expected, size);
+    for (i = 0; i < 16; ++i)
+        if (!(fabs((double)next[i] - expected[i]) <= 6e-8 * fabs(expected[i]) + 1e-10 * size[i]))
+            fail_msg("entry %d of the next view: %.9g, not %.9g", i, (double)next[i], expected[i]);
+}
+
+static void expect_submission(model* m, dgb_pass_id pass, int layers, expected_draw d) {
+    const bool alone = d.oracle == DGB_ORACLE_PEEL || m->emission == DGB_EMISSION_SEPARATE ||
+                       (m->emission == DGB_EMISSION_IMAGE && pass == DGB_PASS_PREDICT);
+    int layer;
+    d.pass = pass;
+    d.oracle_camera = d.oracle == DGB_ORACLE_PEEL ? d.camera : m->oracle_camera;
+    for (layer = 0; layer < (alone ? layers : 1); ++layer) {
+        d.first = layer;
+        d.count = alone ? 1 : layers;
+        d.instances = !alone && m->emission == DGB_EMISSION_VERTEX ? layers : 1;
+        m->draws[m->count++] = d;
+    }
+}
+
+static void expect_frame(model* m) {
+    const fixture* f = m->f;
+    const bool fresh = !m->running || f->view.cut;
+    const dgb_pose submitted = pose_of(f);
+    expected_draw main_draw, prediction;
+    m->count = 0;
+    memset(&main_draw, 0, sizeof main_draw);
+    main_draw.oracle = fresh ? DGB_ORACLE_PEEL : m->oracle;
+    main_draw.pose = submitted;
+    if (m->oracle == DGB_ORACLE_DELAY && !fresh) main_draw.pose = m->submitted, main_draw.pose_offset = -1;
+    main_draw.previous = fresh ? main_draw.pose : m->drawn;
+    main_draw.camera = camera_of(f, &main_draw.pose);
+    expect_submission(m, DGB_PASS_LAYERS, m->layers, main_draw);
+    prediction = main_draw;
+    prediction.previous = main_draw.pose;
+    prediction.pose = submitted;
+    prediction.pose_offset = 0;
+    prediction.camera = camera_of(f, &submitted);
+    if (m->oracle == DGB_ORACLE_PREDICT) {
+        prediction.pose_offset = 1;
+        if (f->view.has_next) memcpy(prediction.pose.view, f->view.next_view, sizeof f->view.next_view);
+        prediction.guessed = !f->view.has_next && !fresh;
+    }
+    if (m->layers > 1 && (m->oracle == DGB_ORACLE_PREDICT || m->oracle == DGB_ORACLE_DELAY))
+        expect_submission(m, DGB_PASS_PREDICT, m->layers - 1, prediction);
+    else
+        prediction = main_draw;
+    m->oracle_camera = prediction.camera;
+}
+
+static void model_advances(model* m) {
+    m->drawn = m->draws[0].pose;
+    m->submitted = pose_of(m->f);
+    m->running = true;
+}
+
+static void check_draw(const model* m, int i) {
+    const expected_draw* e = &m->draws[i];
+    const dgb_draw* d = &m->f->draws[i];
+    const dgb_desc* desc = &m->f->context.desc;
+    if (d->first_layer != e->first || d->layer_count != e->count || d->instances != e->instances ||
+        d->oracle != e->oracle || d->emission != m->emission || d->pose != e->pose_offset ||
+        d->depth_only != (e->pass == DGB_PASS_PREDICT) || m->f->passes[i].id != e->pass ||
+        d->width != desc->width + 16 || d->height != desc->height + 16)
+        fail_msg("draw %d: %s, layers %d+%d, instances %d, oracle %s, pose %d, %s, %dx%d", i,
+                 dgb_pass_name(m->f->passes[i].id), d->first_layer, d->layer_count, d->instances,
+                 dgb_oracle_name(d->oracle), d->pose, d->depth_only ? "depth only" : "all", d->width, d->height);
+    if (e->guessed)
+        check_extrapolation(m->drawn.view, m->f->view.view, d->view);
+    else
+        assert_memory_equal(d->view, e->pose.view, sizeof d->view);
+    assert_memory_equal(d->projection, e->pose.projection, sizeof d->projection);
+    assert_memory_equal(d->previous_view, e->previous.view, sizeof d->view);
+    assert_memory_equal(d->previous_projection, e->previous.projection, sizeof d->projection);
+}
+
+/* Distance of a point at camera z, through a projection and its row in the uniforms. */
+static float distance_of(const float projection[16], const float row[4], float z) {
+    const float clip_z = projection[10] * z + projection[14], clip_w = projection[11] * z + projection[15];
+    return row[0] * clip_z + row[1] * clip_w + row[2];
+}
+
+static void check_draw_uniforms(const model* m, int i, int in_pass) {
+    const expected_draw* e = &m->draws[i];
+    const dgb_draw_uniforms* u = &record_uniforms_of(&m->f->r, e->pass, in_pass)->u.draw;
+    const dgb_desc* desc = &m->f->context.desc;
+    assert_memory_equal(&u->camera, &e->camera, sizeof u->camera);
+    assert_memory_equal(&u->previous, &e->oracle_camera, sizeof u->previous);
+    assert_true(fabsf(distance_of(e->pose.projection, u->distance, -5.0f) - 5.0f) < 2e-5f);
+    assert_true(fabsf(distance_of(e->previous.projection, u->previous_distance, -5.0f) - 5.0f) < 2e-5f);
+    assert_true(u->size[0] == (float)(desc->width + 16) && u->size[1] == (float)(desc->height + 16));
+    assert_true(u->size[2] == m->f->params.separation && u->size[3] == 0.0f);
+    assert_true(u->layer[0] == e->first && u->layer[1] == e->count);
+    assert_true(u->layer[2] == (int32_t)e->oracle && u->layer[3] == e->instances);
+    assert_true(u->flags[0] == desc->divisor && u->flags[1] == desc->reversed && !u->flags[2] && !u->flags[3]);
+}
+
+/* Image emission: the keys of each deeper layer become its depth, but where that was peeled. */
+static void check_resolves(const model* m) {
+    const bool resolves = m->emission == DGB_EMISSION_IMAGE && m->draws[0].count > 1;
+    int i, found = 0;
+    for (i = 0; i < m->f->r.uniform_count; ++i) found += m->f->r.uniforms[i].pass == DGB_PASS_RESOLVE;
+    assert_int_equal(found, resolves ? m->layers - 1 : 0);
+    for (i = 0; i < found; ++i) assert_int_equal(record_uniforms_of(&m->f->r, DGB_PASS_RESOLVE, i)->u.resolve[0], i);
+    for (i = 0; i < m->f->draw_count; ++i)
+        assert_int_equal(m->f->passes[i].key.id != 0, resolves && m->draws[i].pass == DGB_PASS_LAYERS);
+}
+
+static void run_and_check(model* m) {
+    fixture* f = m->f;
+    int i, in_pass = 0;
+    record_clear(&f->r);
+    f->draw_count = 0;
+    expect_frame(m);
+    build(f);
+    if (f->draw_count != m->count) fail_msg("%d draws, not %d", f->draw_count, m->count);
+    for (i = 0; i < m->count; ++i) {
+        in_pass = i && m->draws[i].pass == m->draws[i - 1].pass ? in_pass + 1 : 0;
+        check_draw(m, i);
+        check_draw_uniforms(m, i, in_pass);
+    }
+    check_resolves(m);
+    assert_memory_equal(&f->context.camera, &m->draws[0].camera, sizeof f->context.camera);
+    model_advances(m);
+}
+
+static uint32_t random_state;
+
+static double random_between(double low, double high) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return low + (high - low) * (double)(random_state >> 8) / 16777216.0;
+}
+
+/* A random rotation, scaled along its own axes by 1 / spread to spread, and moved. */
+static void random_view(double spread, double reach, float view[16]) {
+    double q[4], length = 0.0;
+    int row, column;
+    for (row = 0; row < 4; ++row) q[row] = random_between(-1.0, 1.0), length += q[row] * q[row];
+    length = sqrt(length) + 1e-9;
+    for (row = 0; row < 4; ++row) q[row] /= length;
+    memset(view, 0, sizeof(float) * 16);
+    for (column = 0; column < 3; ++column) {
+        const double scale = pow(spread, random_between(-1.0, 1.0));
+        double axis[3] = {0.0, 0.0, 0.0}, uv[3], uuv[3];
+        axis[column] = scale;
+        uv[0] = q[1] * axis[2] - q[2] * axis[1], uv[1] = q[2] * axis[0] - q[0] * axis[2];
+        uv[2] = q[0] * axis[1] - q[1] * axis[0];
+        uuv[0] = q[1] * uv[2] - q[2] * uv[1], uuv[1] = q[2] * uv[0] - q[0] * uv[2],
+        uuv[2] = q[0] * uv[1] - q[1] * uv[0];
+        for (row = 0; row < 3; ++row) view[column * 4 + row] = (float)(axis[row] + 2.0 * (q[3] * uv[row] + uuv[row]));
+    }
+    for (row = 0; row < 3; ++row) view[12 + row] = (float)random_between(-reach, reach);
+    view[15] = 1.0f;
+}
+
+/* Near, far, field of view and jitter are others in every frame; every third is orthographic. */
+static void random_frame(dgb_view* view, bool reversed) {
+    const double near_plane = random_between(0.05, 1.0), far_plane = random_between(40.0, 400.0);
+    const double a = reversed ? far_plane : near_plane, b = reversed ? near_plane : far_plane;
+    memset(view, 0, sizeof *view);
+    random_view(1.0, 10.0, view->view);
+    view->projection[0] = (float)random_between(0.4, 1.5);
+    view->projection[5] = (float)random_between(0.4, 1.5);
+    view->projection[8] = (float)random_between(-0.2, 0.2);
+    if (random_between(0.0, 3.0) < 1.0) {
+        view->projection[10] = (float)(2.0 / (a - b));
+        view->projection[14] = (float)((a + b) / (a - b));
+        view->projection[15] = 1.0f;
+        view->projection[8] = 0.0f;
+    } else {
+        view->projection[10] = (float)((a + b) / (a - b));
+        view->projection[14] = (float)(2.0 * a * b / (a - b));
+        view->projection[11] = -1.0f;
+    }
+    view->jitter[0] = (float)random_between(-0.5, 0.5);
+    view->jitter[1] = (float)random_between(-0.5, 0.5);
+}
+
+/* First frame, steady frames, cuts (two in a row), a resize, known and unknown next views. */
+static void check_frames(construction c, int layers, bool reversed, int divisor) {
+    static const char script[] = "..n.cc.n..c..r.n.cr..";
     fixture f;
-    int frame, i;
+    model m;
+    int i;
     configure(&f, c, layers, 0);
+    f.desc.reversed = reversed;
+    f.desc.divisor = divisor;
+    f.params.separation = 0.25f;
     init(&f);
-    for (frame = 0; frame < 3; ++frame) {
-        const bool once = single && frame > 0;
-        f.draw_count = 0;
-        build(&f);
-        assert_int_equal(f.draw_count, once ? 1 : layers);
-        for (i = 0; i < f.draw_count; ++i)
-            check_draw(&f, i, i, once ? layers : 1, once && c.emission == DGB_EMISSION_VERTEX ? layers : 1,
-                       frame ? c.oracle : DGB_ORACLE_PEEL);
+    memset(&m, 0, sizeof m);
+    m.f = &f;
+    m.oracle = layers > 1 || c.oracle != DGB_ORACLE_DEFAULT ? c.oracle : DGB_ORACLE_PEEL;
+    m.emission = layers > 1 ? c.emission : DGB_EMISSION_SEPARATE;
+    m.layers = layers;
+    for (i = 0; script[i]; ++i) {
+        random_frame(&f.view, reversed);
+        f.view.cut = script[i] == 'c';
+        f.view.has_next = script[i] == 'n';
+        random_view(1.0, 10.0, f.view.next_view);
+        if (script[i] == 'r') {
+            assert_int_equal(dgb_resize(&f.context, f.context.desc.width + 3, f.context.desc.height + 1), DGB_OK);
+            m.running = false;
+        }
+        run_and_check(&m);
     }
     stop(&f);
 }
 
-static void test_draw_is_told_the_layers(void** state) {
-    int i, layers;
+static void test_every_submission(void** state) {
+    static const int counts[] = {1, 2, 3, 8};
+    int oracle, emission, i, reversed;
     (void)state;
-    for (i = 0; i < CONSTRUCTION_COUNT; ++i)
-        for (layers = 2; layers <= 4; ++layers) check_frames(constructions[i], layers);
+    random_state = 3u;
+    for (oracle = DGB_ORACLE_PEEL; oracle < DGB_ORACLE_COUNT; ++oracle)
+        for (emission = DGB_EMISSION_SEPARATE; emission < DGB_EMISSION_COUNT; ++emission)
+            for (i = 0; i < 4; ++i)
+                for (reversed = 0; reversed < 2; ++reversed) {
+                    construction c;
+                    const bool divides = emission != DGB_EMISSION_IMAGE && emission != DGB_EMISSION_MULTICAST;
+                    if (oracle == DGB_ORACLE_PEEL && emission != DGB_EMISSION_SEPARATE) continue;
+                    c.oracle = (dgb_oracle)oracle;
+                    c.emission = (dgb_emission)emission;
+                    check_frames(c, counts[i], reversed != 0, reversed && divides ? 4 : 1);
+                }
 }
+
+/* >> the next view */
+
+static void start_predicting(fixture* f) {
+    start(f);
+    f->desc.oracle = DGB_ORACLE_PREDICT;
+    f->desc.emission = DGB_EMISSION_SEPARATE;
+    init(f);
+}
+
+/* View of the prediction's draw after a frame with this view. */
+static const float* predicted_view(fixture* f) {
+    f->draw_count = 0;
+    build(f);
+    assert_int_equal(f->draw_count, 3);
+    assert_true(f->draws[2].depth_only && f->draws[2].pose == 1);
+    record_clear(&f->r);
+    return f->draws[2].view;
+}
+
+static void test_extrapolated_view(void** state) {
+    static const double spreads[] = {1.0, 1.0, 2.0, 30.0}, reaches[] = {3.0, 1000.0, 20.0, 5.0};
+    float before[16], now[16];
+    fixture f;
+    int i, kind;
+    (void)state;
+    start_predicting(&f);
+    random_state = 11u;
+    for (kind = 0; kind < 4; ++kind)
+        for (i = 0; i < 500; ++i) {
+            random_view(spreads[kind], reaches[kind], before);
+            random_view(spreads[kind], reaches[kind], now);
+            memcpy(f.view.view, before, sizeof before);
+            f.view.cut = true;
+            assert_memory_equal(predicted_view(&f), before, sizeof before); /* nothing to go on from: it stays */
+            memcpy(f.view.view, now, sizeof now);
+            f.view.cut = false;
+            check_extrapolation(before, now, predicted_view(&f));
+        }
+    /* a camera that stands still is foretold to the last bit, whatever its matrix */
+    for (i = 0; i < 200; ++i) {
+        int entry;
+        const float* next;
+        random_view(1.0, 50.0, now);
+        memcpy(f.view.view, now, sizeof now);
+        (void)predicted_view(&f);
+        next = predicted_view(&f);
+        for (entry = 0; entry < 16; ++entry)
+            if (next[entry] != now[entry])
+                fail_msg("standing still, entry %d went from %.9g to %.9g", entry, (double)now[entry],
+                         (double)next[entry]);
+    }
+    stop(&f);
+}
+
+/* Then there is no motion to go on with: the next view is this one. Nor is there when the guess has no end. */
+static void test_extrapolation_from_a_singular_view(void** state) {
+    float now[16];
+    fixture f;
+    int i, kind;
+    (void)state;
+    start_predicting(&f);
+    random_state = 5u;
+    for (kind = 0; kind < 4; ++kind) {
+        random_view(1.0, 5.0, f.view.view);
+        for (i = 0; i < 3; ++i) {
+            if (kind == 0) f.view.view[4 + i] = 0.0f;                              /* a column is zero */
+            if (kind == 1) f.view.view[4 * i] = f.view.view[4 * i + 1] = 0.0f;     /* two rows are */
+            if (kind == 2) memset(f.view.view, 0, sizeof f.view.view);             /* all is */
+            if (kind == 3) f.view.view[i] *= 1e-35f, f.view.view[4 + i] *= 1e-35f; /* not singular, but nearly */
+        }
+        f.view.cut = true;
+        build(&f);
+        f.view.cut = false;
+        random_view(1.0, 5.0, now);
+        if (kind == 3)
+            for (i = 0; i < 12; ++i) now[i] *= 1e25f;
+        memcpy(f.view.view, now, sizeof now);
+        if (!same_bits(predicted_view(&f), now, sizeof now)) fail_msg("singular view %d moved the next", kind);
+    }
+    stop(&f);
+}
+
+static void test_next_view_is_used(void** state) {
+    fixture f;
+    (void)state;
+    start_predicting(&f);
+    random_state = 9u;
+    f.view.has_next = true;
+    random_view(1.0, 5.0, f.view.next_view);
+    assert_memory_equal(predicted_view(&f), f.view.next_view, sizeof f.view.next_view); /* on the first frame, too */
+    random_view(1.0, 5.0, f.view.view);
+    random_view(1.0, 5.0, f.view.next_view);
+    assert_memory_equal(predicted_view(&f), f.view.next_view, sizeof f.view.next_view);
+    f.view.next_view[3] = from_bits(0x7fc00000u);
+    f.draw_count = 0;
+    assert_int_equal(dgb_build(&f.context, &f.view, &f.params, on_draw, &f), DGB_INVALID);
+    assert_int_equal(f.log_item, DGB_LOG_MATRIX);
+    assert_int_equal(f.draw_count, 0);
+    stop(&f);
+}
+
+/* >> DELAY */
+
+/* The number of the frame whose view is drawn: the views are told apart by their translation. */
+static int frame_drawn(fixture* f, int submitted) {
+    default_view(&f->view);
+    f->view.view[12] = (float)submitted;
+    f->draw_count = 0;
+    build(f);
+    record_clear(&f->r);
+    return (int)f->draws[0].view[12];
+}
+
+static void test_delay_lags_by_one(void** state) {
+    int layers;
+    (void)state;
+    for (layers = 1; layers <= 3; ++layers) {
+        fixture f;
+        configure(&f, constructions[11], layers, 0);
+        init(&f);
+        assert_int_equal(frame_drawn(&f, 0), 0); /* there is none before it */
+        assert_int_equal(frame_drawn(&f, 1), 0);
+        assert_int_equal(frame_drawn(&f, 2), 1);
+        assert_int_equal(frame_drawn(&f, 3), 2);
+        assert_true(f.draws[0].pose == -1 && f.draws[0].previous_view[12] == 1.0f);
+        f.draw_count = 0;
+        default_view(&f.view);
+        f.view.view[12] = 4.0f;
+        f.view.cut = true;
+        build(&f); /* at once: what was before the cut is never shown */
+        assert_true(f.draws[0].view[12] == 4.0f && f.draws[0].pose == 0 && f.draws[0].oracle == DGB_ORACLE_PEEL);
+        assert_true(f.draws[0].previous_view[12] == 4.0f);
+        assert_int_equal(frame_drawn(&f, 5), 4);
+        assert_int_equal(frame_drawn(&f, 6), 5);
+        assert_int_equal(dgb_resize(&f.context, 32, 32), DGB_OK);
+        assert_int_equal(frame_drawn(&f, 7), 7);
+        assert_int_equal(frame_drawn(&f, 8), 7);
+        assert_int_equal(frame_drawn(&f, 9), 8);
+        if (layers > 1) { /* the prediction is not late */
+            const dgb_draw* last = &f.draws[f.draw_count - 1];
+            assert_true(last->depth_only && last->pose == 0 && last->view[12] == 9.0f);
+            assert_true(last->previous_view[12] == 8.0f);
+        }
+        stop(&f);
+    }
+}
+
+/* The shading sees the camera of the layers, not the one submitted. */
+static void test_delay_shades_what_it_drew(void** state) {
+    dgb_view first;
+    dgb_pose pose;
+    dgb_camera camera;
+    fixture f;
+    const dgb_pack_uniforms* u;
+    (void)state;
+    configure(&f, constructions[12], 2, BOTH);
+    f.desc.world_normals = true;
+    init(&f);
+    random_state = 21u;
+    random_frame(&f.view, false);
+    build(&f);
+    random_frame(&f.view, false);
+    first = f.view;
+    build(&f);
+    random_frame(&f.view, false);
+    f.draw_count = 0;
+    build(&f);
+    record_clear(&f.r);
+    shade(&f);
+    u = &record_uniforms_of(&f.r, DGB_PASS_PACK, 0)->u.pack;
+    f.view = first;
+    pose = pose_of(&f);
+    camera = camera_of(&f, &pose);
+    assert_memory_equal(&u->camera, &camera, sizeof camera);
+    assert_memory_equal(&record_uniforms_of(&f.r, DGB_PASS_AO, 0)->u.ao.camera, &camera, sizeof camera);
+    assert_memory_equal(&record_uniforms_of(&f.r, DGB_PASS_GATHER, 0)->u.gather.camera, &camera, sizeof camera);
+    assert_true(u->rotation[1][2] == first.view[6] && u->rotation[2][0] == first.view[8]);
+    assert_memory_equal(f.draws[0].view, first.view, sizeof first.view);
+    stop(&f);
+}
+
+/* A frame that is refused leaves no trace in those after it. */
+static void test_refused_frame_is_no_frame(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < CONSTRUCTION_COUNT; ++i) {
+        dgb_view good;
+        fixture f;
+        model m;
+        int frame;
+        configure(&f, constructions[i], 3, 0);
+        init(&f);
+        memset(&m, 0, sizeof m);
+        m.f = &f;
+        m.oracle = constructions[i].oracle;
+        m.emission = constructions[i].emission;
+        m.layers = 3;
+        random_state = 33u;
+        for (frame = 0; frame < 5; ++frame) {
+            random_frame(&f.view, false);
+            good = f.view;
+            f.view.projection[5] = frame % 2 ? 0.0f : from_bits(0x7f800000u);
+            f.view.cut = true;
+            assert_int_equal(dgb_build(&f.context, &f.view, &f.params, on_draw, &f), DGB_INVALID);
+            f.view = good;
+            run_and_check(&m);
+        }
+        stop(&f);
+    }
+}
+
+/* >> matrices, cuts and textures */
 
 static void test_draw_is_told_the_matrices(void** state) {
     static const float no_jitter[2] = {0.0f, 0.0f};
@@ -389,6 +925,106 @@ static void test_depth_and_oracle_change_places(void** state) {
     assert_true(dgb_get_texture(&f.context, DGB_DEPTH).id == depth.id);
     assert_true(dgb_get_texture(&f.context, DGB_ORACLE).id == 0);
     stop(&f);
+}
+
+/* With a prediction, depth stays where it is, and what was predicted for the frame becomes its oracle. */
+static void test_prediction_and_oracle_change_places(void** state) {
+    int i;
+    (void)state;
+    for (i = 8; i < CONSTRUCTION_COUNT; ++i) {
+        fixture f;
+        dgb_texture depth, oracle, predicted;
+        int frame, draw;
+        configure(&f, constructions[i], 3, 0);
+        init(&f);
+        depth = dgb_get_texture(&f.context, DGB_DEPTH);
+        oracle = dgb_get_texture(&f.context, DGB_ORACLE);
+        predicted = dgb_get_texture(&f.context, DGB_PREDICTED);
+        assert_true(depth.id && oracle.id && predicted.id && oracle.id != predicted.id);
+        for (frame = 0; frame < 4; ++frame) {
+            const dgb_texture was = predicted;
+            f.draw_count = 0;
+            f.view.cut = frame == 2;
+            build(&f);
+            predicted = oracle, oracle = was;
+            assert_true(dgb_get_texture(&f.context, DGB_DEPTH).id == depth.id);
+            assert_true(dgb_get_texture(&f.context, DGB_ORACLE).id == oracle.id);
+            assert_true(dgb_get_texture(&f.context, DGB_PREDICTED).id == predicted.id);
+            for (draw = 0; draw < f.draw_count; ++draw)
+                assert_true(f.passes[draw].depth.texture.id == (f.draws[draw].depth_only ? predicted : depth).id);
+        }
+        stop(&f);
+    }
+}
+
+/* What a pass writes: one layer, all layers, or (images) the first and by itself the others; a prediction has no colour. */
+static void test_targets_of_each_pass(void** state) {
+    int i, layers, frame;
+    (void)state;
+    for (i = 0; i < CONSTRUCTION_COUNT; ++i)
+        for (layers = 2; layers <= 4; ++layers) {
+            fixture f;
+            int draw, color;
+            configure(&f, constructions[i], layers, 0);
+            f.desc.targets = DGB_TARGET_NORMAL | DGB_TARGET_VELOCITY;
+            init(&f);
+            for (frame = 0; frame < 3; ++frame) {
+                f.draw_count = 0;
+                build(&f);
+                for (draw = 0; draw < f.draw_count; ++draw) {
+                    const dgb_pass* pass = &f.passes[draw];
+                    const dgb_draw* d = &f.draws[draw];
+                    const bool image = d->emission == DGB_EMISSION_IMAGE && d->layer_count > 1;
+                    const int layer = d->layer_count > 1 && !image ? -1 : d->first_layer;
+                    assert_int_equal(pass->color_count, d->depth_only ? 0 : 2);
+                    for (color = 0; color < pass->color_count; ++color) {
+                        const dgb_slot slot = color ? DGB_VELOCITY : DGB_NORMAL;
+                        assert_true(pass->colors[color].texture.id == dgb_get_texture(&f.context, slot).id);
+                        assert_true(pass->colors[color].layer == layer && pass->colors[color].level == 0);
+                    }
+                    assert_true(pass->depth.layer == layer && pass->clear && pass->clear_depth == 1.0f);
+                    assert_true(pass->emission == d->emission);
+                    assert_true(pass->key.id == (image ? dgb_get_texture(&f.context, DGB_KEY).id : 0));
+                    assert_int_equal(pass->key_layers, image ? layers - 1 : 0);
+                }
+            }
+            stop(&f);
+        }
+}
+
+/* Deeper layers fill 1 / divisor of their images, to the fraction of a pixel; the first layer fills all of its own. */
+static void test_divided_viewports(void** state) {
+    static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_VERTEX, DGB_EMISSION_GEOMETRY,
+                                             DGB_EMISSION_INSTANCED_GEOMETRY};
+    int oracle, i, divisor, frame, draw;
+    (void)state;
+    for (oracle = DGB_ORACLE_PREVIOUS; oracle < DGB_ORACLE_COUNT; ++oracle)
+        for (i = 0; i < 4; ++i)
+            for (divisor = 1; divisor <= 4; divisor *= 2) {
+                fixture f;
+                construction c;
+                c.oracle = (dgb_oracle)oracle;
+                c.emission = emissions[i];
+                configure(&f, c, 3, 0);
+                f.desc.width = 63; /* 79 with the guard band */
+                f.desc.divisor = divisor;
+                init(&f);
+                for (frame = 0; frame < 3; ++frame) {
+                    f.draw_count = 0;
+                    record_clear(&f.r);
+                    build(&f);
+                    for (draw = 0; draw < f.draw_count; ++draw) {
+                        const dgb_pass* pass = &f.passes[draw];
+                        const float deep = divisor == 4 ? 0.25f : divisor == 2 ? 0.5f : 1.0f;
+                        const float scale = pass->depth.layer > 0 ? deep : 1.0f;
+                        assert_true(pass->x == 0 && pass->y == 0);
+                        assert_true(pass->width == 79.0f * scale && pass->height == 64.0f * scale);
+                        assert_true(pass->deep_width == 79.0f * deep);
+                        assert_true(pass->deep_height == 64.0f * deep);
+                    }
+                }
+                stop(&f);
+            }
 }
 
 /* >> uniforms */
@@ -788,24 +1424,32 @@ static void test_resize_to_the_same_does_nothing(void** state) {
 
 /* Every desc that dgb_init takes can be resized: what was resolved at init must not be refused later. */
 static void test_whatever_was_initialised_resizes(void** state) {
-    int layers, oracle, emission, source;
+    int layers, oracle, emission, source_divisor, good = 0;
     (void)state;
-    for (source = 0; source < 2; ++source)
+    for (source_divisor = 0; source_divisor < 8; ++source_divisor)
         for (layers = 0; layers <= 3; ++layers)
             for (oracle = 0; oracle < DGB_ORACLE_COUNT; ++oracle)
                 for (emission = 0; emission < DGB_EMISSION_COUNT; ++emission) {
+                    static const int divisors[] = {0, 1, 2, 4};
+                    const int source = source_divisor & 1;
                     fixture f;
                     start(&f);
+                    f.desc.divisor = divisors[source_divisor >> 1];
                     f.desc.source = (dgb_source)source;
                     f.desc.layers = layers;
                     f.desc.oracle = (dgb_oracle)oracle;
                     f.desc.emission = (dgb_emission)emission;
                     f.desc.effects = BOTH;
-                    if (dgb_init(&f.context, &f.desc) == DGB_OK && dgb_resize(&f.context, 32, 32) != DGB_OK)
-                        fail_msg("source %d, layers %d, oracle %d, emission %d: %s", source, layers, oracle, emission,
-                                 dgb_log_item_name(f.log_item));
+                    if (dgb_init(&f.context, &f.desc) == DGB_OK) {
+                        ++good;
+                        if (dgb_resize(&f.context, 32, 32) != DGB_OK)
+                            fail_msg("source %d, layers %d, oracle %d, emission %d, divisor %d: %s", source, layers,
+                                     oracle, emission, f.desc.divisor, dgb_log_item_name(f.log_item));
+                        if (f.context.desc.divisor < 1) fail_msg("divisor %d", f.context.desc.divisor);
+                    }
                     stop(&f);
                 }
+    assert_true(good > 300);
 }
 
 static void test_resize_discards_the_layers(void** state) {
@@ -942,6 +1586,16 @@ static void test_view_is_checked(void** state) {
             default_view(&f.view);
         }
     }
+    f.view.has_next = true;
+    for (k = 0; k < 3; ++k)
+        for (i = 0; i < 16; ++i) {
+            memcpy(f.view.next_view, f.view.view, sizeof f.view.next_view);
+            f.view.next_view[i] = from_bits(odd[k]);
+            check_build_refused(&f, DGB_LOG_MATRIX, "next view");
+        }
+    f.view.has_next = false; /* then nobody reads it */
+    build(&f);
+    default_view(&f.view);
     f.view.projection[0] = 0.0f;
     check_build_refused(&f, DGB_LOG_PROJECTION, "singular");
     default_view(&f.view);
@@ -1318,7 +1972,16 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_golden_traces),
         cmocka_unit_test(test_building_and_shading_are_apart),
-        cmocka_unit_test(test_draw_is_told_the_layers),
+        cmocka_unit_test(test_every_submission),
+        cmocka_unit_test(test_extrapolated_view),
+        cmocka_unit_test(test_extrapolation_from_a_singular_view),
+        cmocka_unit_test(test_next_view_is_used),
+        cmocka_unit_test(test_delay_lags_by_one),
+        cmocka_unit_test(test_delay_shades_what_it_drew),
+        cmocka_unit_test(test_refused_frame_is_no_frame),
+        cmocka_unit_test(test_prediction_and_oracle_change_places),
+        cmocka_unit_test(test_targets_of_each_pass),
+        cmocka_unit_test(test_divided_viewports),
         cmocka_unit_test(test_draw_is_told_the_matrices),
         cmocka_unit_test(test_cut_and_resize_peel_again),
         cmocka_unit_test(test_depth_and_oracle_change_places),

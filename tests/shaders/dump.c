@@ -1,5 +1,5 @@
-/* Writes the text of every shader there is, in every dialect, into a directory: NAME.vert and NAME.frag, for an offline
-   compiler. The variants come from the plans of every desc that changes them. */
+/* Writes the text of every shader there is, in every dialect, into a directory: NAME.vert, NAME.geom and NAME.frag, for an
+   offline compiler. The variants come from the plans of every desc that changes them. */
 #define DEEPGBUFFER_IMPLEMENTATION
 #include "deepgbuffer.h"
 #include "deepgbuffer_gl.h"
@@ -40,26 +40,51 @@ static void write_plan(const char* directory, const dgb_desc* desc) {
     }
 }
 
+typedef struct variant { /* of the snippets */
+    dgb_emission emission;
+    int version;
+    bool es, interlock;
+    int layers, divisor;
+    uint32_t targets; /* 0: all */
+} variant;
+
+static void name_variant(const variant* v, char* name, size_t capacity) {
+    snprintf(name, capacity, "layers_%s%d_%s_k%d_divisor%d%s_targets%u", v->es ? "es" : "gl", v->version,
+             dgb_emission_name(v->emission), v->layers, v->divisor, v->interlock ? "_interlock" : "",
+             (unsigned)v->targets);
+}
+
+/* The reference compiler knows the interlock qualifiers from this version on, though the extension asks for less. */
+static void require_450(void) {
+    static const char old_line[] = "#version 430", new_line[] = "#version 450";
+    if (strncmp(text, old_line, strlen(old_line)) == 0) memcpy(text, new_line, strlen(new_line));
+}
+
 /* A program that contains the snippets and does nothing else: what an engine's simplest material is. */
-static void write_snippets(const char* directory, dgb_emission emission, int version, bool es) {
+static void write_snippets(const char* directory, const variant* v) {
     static dgbgl_backend gl;
     static dgb_context context;
     const dgbgl_varying varyings[] = {{NULL, "vec2", "v_uv"}, {"flat", "int", "v_material"}};
-    char name[64];
+    char name[128];
     size_t length;
     dgb_desc desc;
     memset(&context, 0, sizeof context);
     memset(&desc, 0, sizeof desc);
     desc.width = desc.height = 64;
-    desc.emission = emission;
+    desc.emission = v->emission;
+    desc.layers = v->layers;
+    desc.divisor = v->divisor;
+    desc.targets = v->targets;
     if (dgb_make_plan(&desc, &context.plan) != DGB_OK) exit(2);
-    gl.version = version;
-    gl.es = es;
+    context.desc = desc;
+    gl.version = v->version;
+    gl.es = v->es;
+    gl.interlock = v->interlock;
     gl.layer_extension = "GL_ARB_shader_viewport_layer_array";
     context.backend.user = &gl;
     context.initialised = DGBI_INITIALISED;
     context.textures[DGB_DEPTH].id = 1;
-    snprintf(name, sizeof name, "layers_%s%d_%s", es ? "es" : "gl", version, dgb_emission_name(emission));
+    name_variant(v, name, sizeof name);
     length = dgbgl_shader_prefix(&context, DGBGL_VERTEX, varyings, 2, text, sizeof text);
     length += (size_t)snprintf(text + length, sizeof text - length,
                                "in vec3 position; uniform mat4 now, before; out vec2 v_uv; flat out int v_material;\n"
@@ -73,7 +98,46 @@ static void write_snippets(const char* directory, dgb_emission emission, int ver
         text + length, sizeof text - length,
         "in vec2 v_uv; flat in int v_material;\nvoid main() {\n    if (!dgb_keep()) discard;\n"
         "    dgb_store(vec4(v_uv, float(v_material), 1.0), vec3(0.0, 0.0, 1.0), vec2(0.0), vec3(0.0));\n}\n");
+    if (v->interlock) require_450();
     write_text(directory, name, "frag", length);
+}
+
+static void write_all_snippets(const char* directory) {
+    static const struct {
+        dgb_emission emission;
+        int version;
+        bool es, interlock;
+        bool divides; /* takes a divisor */
+    } emissions[] = {{DGB_EMISSION_SEPARATE, 330, false, false, true},
+                     {DGB_EMISSION_SEPARATE, 450, false, false, true},
+                     {DGB_EMISSION_SEPARATE, 300, true, false, false}, /* a viewport in whole pixels only */
+                     {DGB_EMISSION_GEOMETRY, 330, false, false, false},
+                     {DGB_EMISSION_GEOMETRY, 450, false, false, true},
+                     {DGB_EMISSION_VERTEX, 450, false, false, true},
+                     {DGB_EMISSION_INSTANCED_GEOMETRY, 450, false, false, true},
+                     {DGB_EMISSION_INSTANCED_GEOMETRY, 410, false, false, true},
+                     {DGB_EMISSION_IMAGE, 450, false, false, false},
+                     {DGB_EMISSION_IMAGE, 450, false, true, false},
+                     {DGB_EMISSION_MULTICAST, 450, false, false, false}};
+    static const int layers[] = {1, 2, 3};
+    static const uint32_t targets[] = {0, DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE};
+    size_t i, k, t;
+    for (i = 0; i < sizeof emissions / sizeof emissions[0]; ++i)
+        for (k = 0; k < sizeof layers / sizeof layers[0]; ++k)
+            for (t = 0; t < sizeof targets / sizeof targets[0]; ++t) {
+                variant v;
+                /* one layer is always SEPARATE; an attachment more or less is no matter of the count of layers */
+                if (layers[k] == 1 && emissions[i].emission != DGB_EMISSION_SEPARATE) continue;
+                if (layers[k] == 3 && targets[t]) continue;
+                v.emission = emissions[i].emission;
+                v.version = emissions[i].version;
+                v.es = emissions[i].es;
+                v.interlock = emissions[i].interlock;
+                v.layers = layers[k];
+                v.targets = targets[t];
+                for (v.divisor = 1; v.divisor <= (emissions[i].divides ? 2 : 1); ++v.divisor)
+                    write_snippets(directory, &v);
+            }
 }
 
 int main(int argc, char** argv) {
@@ -86,19 +150,21 @@ int main(int argc, char** argv) {
             desc.width = desc.height = 64;
             desc.layers = layers;
             desc.effects = (uint32_t)effects;
-            for (senders = 0; senders < DGB_SENDERS_COUNT; ++senders) {
-                desc.senders = (dgb_senders)senders;
-                write_plan(argv[1], &desc);
-            }
+            for (senders = 0; senders < DGB_SENDERS_COUNT; ++senders)
+                for (desc.divisor = 1; desc.divisor <= 2; ++desc.divisor) {
+                    desc.senders = (dgb_senders)senders;
+                    write_plan(argv[1], &desc);
+                }
+            desc.divisor = 1;
+            desc.emission = DGB_EMISSION_IMAGE; /* brings resolve */
+            write_plan(argv[1], &desc);
+            desc.emission = DGB_EMISSION_AUTO;
             desc.source = DGB_SOURCE_ENGINE;
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
                 desc.normals = (dgb_normals)normals;
                 write_plan(argv[1], &desc);
             }
         }
-    write_snippets(argv[1], DGB_EMISSION_SEPARATE, 330, false);
-    write_snippets(argv[1], DGB_EMISSION_GEOMETRY, 330, false);
-    write_snippets(argv[1], DGB_EMISSION_VERTEX, 450, false);
-    write_snippets(argv[1], DGB_EMISSION_SEPARATE, 300, true);
+    write_all_snippets(argv[1]);
     return 0;
 }
