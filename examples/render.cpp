@@ -19,6 +19,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <system_error>
 
@@ -240,7 +241,9 @@ public:
 
 private:
     RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
-    void render_frame(SceneRenderer* renderer, int frame) const;
+    std::shared_ptr<const GpuPose> pose_at(int frame);
+    SceneFrame frame_at(int frame, bool with_next);
+    void render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times);
     std::vector<uint8_t> tone_mapped(const Floats& linear) const;
     void write_picture(const char* name, const std::vector<uint8_t>& rgb) const;
     void write_pictures(const std::vector<uint8_t>& final_rgb) const;
@@ -273,11 +276,7 @@ Run::Run(const Options& options)
       times_(options.profile), unread_times_(false) {
     open_context(&context_);
     gpu_scene_.emplace(scene_);
-    if (light_.sun.strength > 0.0f) {
-        times_.begin();
-        shadows_ = render_shadow_map(scene_, *gpu_scene_, light_.sun);
-        times_.end("shadow");
-    }
+    if (light_.sun.strength > 0.0f) { shadows_ = make_shadow_map(scene_, *gpu_scene_, light_.sun); }
     renderer_.emplace(renderer_desc(layers_desc(options), &times_));
     other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
 }
@@ -293,17 +292,41 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     return desc;
 }
 
-void Run::render_frame(SceneRenderer* renderer, int frame) const {
-    const RenderCamera camera = orbit(camera_, float(frame) * options_.orbit);
-    renderer->render(view_matrix(camera), projection_matrix(camera, options_.aspect(), options_.clip), options_.params);
+std::shared_ptr<const GpuPose> Run::pose_at(int frame) {
+    if (scene_.animations.empty()) { return gpu_scene_->first_pose(); }
+    pose(&scene_, options_.time + frame / options_.fps);
+    return std::make_shared<GpuPose>(current_pose(scene_));
+}
+
+// The future is known: the orbit and the animation just go on.
+SceneFrame Run::frame_at(int frame, bool with_next) {
+    const auto camera_at = [&](int i) { return orbit(camera_, float(i) * options_.orbit); };
+    SceneFrame result;
+    result.view = view_matrix(camera_at(frame));
+    result.projection = projection_matrix(camera_at(frame), options_.aspect(), options_.clip);
+    result.pose = pose_at(frame);
+    if (with_next) {
+        result.next_view = view_matrix(camera_at(frame + 1));
+        result.next_pose = pose_at(frame + 1);
+    }
+    return result;
+}
+
+void Run::render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times) {
+    renderer->build(frame, options_.params);
+    if (shadows_) {
+        times->begin();
+        if (update_shadow_map(*gpu_scene_, renderer->drawn_pose(), &*shadows_)) { times->end("shadow"); }
+    }
+    renderer->shade(options_.params);
 }
 
 void Run::render_frames() {
     for (int frame = 0; frame < options_.frames; ++frame) {
         show_progress(frame + 1, options_.frames);
-        render_frame(&*renderer_, frame);
+        render_frame(&*renderer_, frame_at(frame, options_.oracle == DGB_ORACLE_PREDICT), &times_);
     }
-    render_frame(&*other_, options_.frames - 1);
+    render_frame(&*other_, frame_at(options_.frame_drawn(), false), &unread_times_);
     const GLenum error = glGetError();
     if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
 }

@@ -54,6 +54,7 @@ struct Options {
     bool profile = false;
 
     int width = 1280, height = 720, guard = 64, layers = 2; // pixels
+    int divisor = 1;                                        // of the resolution of layers behind the first
     dgb_oracle oracle = DGB_ORACLE_REPROJECT;
     dgb_emission emission = DGB_EMISSION_AUTO;
     uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
@@ -67,7 +68,11 @@ struct Options {
     float exposure = 0.0f; // powers of two
     int frames = 8;
     float orbit = 0.0f; // degrees a frame
+    double time = 0.0;  // of the first frame, s
+    double fps = 30.0;  // frames a second of animation
 
+    // What a dump shows: with DELAY, the frame before the last one, if there is one.
+    int frame_drawn() const { return oracle == DGB_ORACLE_DELAY && layers > 1 && frames > 1 ? frames - 2 : frames - 1; }
     float aspect() const { return float(width) / float(height); }
 };
 
@@ -78,6 +83,7 @@ inline dgb_desc layers_desc(const Options& options) {
     desc.height = options.height;
     desc.guard_band = options.guard;
     desc.layers = options.layers;
+    desc.divisor = options.divisor;
     desc.effects = options.effects;
     desc.oracle = options.oracle;
     desc.emission = options.emission;
@@ -281,17 +287,29 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
         ->check(between(0, 1e9, "a number of 0 or more"));
     add_choice<dgb_oracle>(
         app, "--oracle",
-        {{"peel", DGB_ORACLE_PEEL}, {"previous", DGB_ORACLE_PREVIOUS}, {"reproject", DGB_ORACLE_REPROJECT}},
+        {{"peel", DGB_ORACLE_PEEL},
+         {"previous", DGB_ORACLE_PREVIOUS},
+         {"reproject", DGB_ORACLE_REPROJECT},
+         {"predict", DGB_ORACLE_PREDICT},
+         {"delay", DGB_ORACLE_DELAY}},
         [=](dgb_oracle oracle) { o->oracle = oracle; },
-        "what tells a layer where the one in front is: peel, previous, reproject (default)");
+        "what tells a layer where the one in front is: peel, previous, reproject (default), predict, or delay, which "
+        "shows the frame before");
     add_choice<dgb_emission>(
         app, "--emit",
         {{"auto", DGB_EMISSION_AUTO},
          {"separate", DGB_EMISSION_SEPARATE},
          {"geometry", DGB_EMISSION_GEOMETRY},
-         {"vertex", DGB_EMISSION_VERTEX}},
+         {"vertex", DGB_EMISSION_VERTEX},
+         {"instanced-geometry", DGB_EMISSION_INSTANCED_GEOMETRY},
+         {"image", DGB_EMISSION_IMAGE},
+         {"multicast", DGB_EMISSION_MULTICAST}},
         [=](dgb_emission emission) { o->emission = emission; },
-        "how triangles reach all layers: auto (default), separate, geometry, vertex");
+        "how triangles reach all layers: auto (default), separate, geometry, vertex, instanced-geometry, image, "
+        "multicast");
+    add_choice<int>(
+        app, "--divisor", {{"1", 1}, {"2", 2}, {"4", 4}}, [=](int divisor) { o->divisor = divisor; },
+        "of the resolution of layers behind the first: 1 (default), 2 or 4");
 }
 
 inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
@@ -330,6 +348,9 @@ inline void add_picture(CLI::App* app, Options* o) {
         ->check(between(1, 1e6, "1 to 1000000"));
     app->add_option("--orbit", o->orbit, "degrees that the camera turns around its target a frame (default 0)")
         ->check(between(-360, 360, "-360 to 360 degrees"));
+    app->add_option("--time", o->time, "what an animation shows in the first frame, s (default 0)")
+        ->check(between(0, 1e6, "a number from 0 to 1000000"));
+    app->add_option("--fps", o->fps, "frames a second of animation (default 30)")->check(positive());
     add_choice<ClipRange>(
         app, "--clip",
         {{"standard", ClipRange::standard},

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_precision.hpp>
 
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,8 @@ struct Vertex {
     glm::vec4 tangent{1.0f, 0.0f, 0.0f, 1.0f}; // w is the sign of the bitangent, cross(normal, tangent) * w
     glm::vec2 uv{0.0f};                        // (0, 0) is the first byte of the image
     glm::vec4 color{1.0f};                     // multiplies the base color
+    glm::u16vec4 joints{0};                    // of the skin of the node that draws the mesh
+    glm::vec4 weights{0.0f};                   // of these joints; add up to 1 in skinned meshes
 };
 
 struct Image {
@@ -60,12 +64,52 @@ struct Mesh {
     int material = 0;
 };
 
+// Scales first, translates last.
+struct Transform {
+    glm::vec3 translation{0.0f};
+    glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; // w first
+    glm::vec3 scale{1.0f};
+};
+
 // A world matrix with a negative determinant mirrors its meshes: their front faces are clockwise.
 struct Node {
     int parent = -1;
+    std::optional<Transform>
+        rest; // what no animation touches; none where the file gives a matrix, which none may touch
     glm::mat4 local{1.0f};
     glm::mat4 world{1.0f};
     std::vector<int> meshes; // several nodes may draw the same mesh
+    int skin = -1;           // then the joints place the meshes, and the world matrix does not
+};
+
+// Vertices follow nodes. A joint's matrix is the world matrix of its node times the inverse bind matrix.
+struct Skin {
+    std::vector<int> nodes; // one a joint
+    std::vector<glm::mat4> inverse_bind;
+};
+
+enum class Interpolation { step, linear, cubic };
+
+// A curve through keys. A cubic one has three values a key: the tangent before it (1/s), the value, the tangent after.
+struct Sampler {
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<float> times; // seconds, increasing, at least one
+    std::vector<glm::vec4> values;
+};
+
+enum class AnimatedPart { translation, rotation, scale }; // a rotation is a quaternion, w last
+
+struct Channel {
+    int node = 0;
+    AnimatedPart part = AnimatedPart::translation;
+    int sampler = 0;
+};
+
+struct Animation {
+    std::string name;
+    float duration = 0.0f; // seconds
+    std::vector<Sampler> samplers;
+    std::vector<Channel> channels;
 };
 
 // Looks along the -Z axis of its world matrix, +Y is up in the picture.
@@ -83,10 +127,20 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Mesh> meshes;
     std::vector<Node> nodes; // a parent always stands before its children
+    std::vector<Skin> skins;
+    std::vector<Animation> animations;
     std::vector<Camera> cameras;
-    glm::vec3 bounds_min{0.0f}; // world space
+    glm::vec3 bounds_min{0.0f}; // world space, at any time of the first animation
     glm::vec3 bounds_max{0.0f};
 };
+
+// Where everything stands at one moment.
+struct Pose {
+    std::vector<glm::mat4> nodes;  // world matrices
+    std::vector<glm::mat4> joints; // of skin after skin
+};
+
+glm::mat4 to_matrix(const Transform& transform);
 
 // One forward pass suffices because parents stand before their children.
 inline void update_world_matrices(Scene* scene) {
@@ -95,20 +149,17 @@ inline void update_world_matrices(Scene* scene) {
     }
 }
 
-// Needs at least one vertex and up-to-date world matrices.
-inline void update_bounds(Scene* scene) {
-    scene->bounds_min = glm::vec3(std::numeric_limits<float>::infinity());
-    scene->bounds_max = -scene->bounds_min;
-    for (const Node& node : scene->nodes) {
-        for (int mesh : node.meshes) {
-            for (const Vertex& vertex : scene->meshes[size_t(mesh)].vertices) {
-                const glm::vec3 position(node.world * glm::vec4(vertex.position, 1.0f));
-                scene->bounds_min = glm::min(scene->bounds_min, position);
-                scene->bounds_max = glm::max(scene->bounds_max, position);
-            }
-        }
-    }
-}
+// Moves the nodes to where the first animation, which repeats for ever, has them. Without one, nothing happens.
+void pose(Scene* scene, double seconds);
+
+// As the nodes stand now.
+Pose current_pose(const Scene& scene);
+
+// Where each skin's joints start in Pose::joints; one number more than there are skins.
+std::vector<int> first_joints_of(const Scene& scene);
+
+// Needs at least one vertex and up-to-date world matrices. Leaves the nodes as they are at 0 seconds.
+void update_bounds(Scene* scene);
 
 // Reads a .gltf or .glb file. On failure returns false, sets *error to one sentence and leaves *scene alone.
 bool load_gltf(const std::string& path, Scene* scene, std::string* error);

@@ -2,8 +2,6 @@
 // refers to (files, buffer ranges, indices, node graph) is checked here before use.
 #include "scene.hpp"
 
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <stb_image.h>
 #include <tiny_gltf.h>
@@ -23,11 +21,12 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<unsigned char>;
 
 constexpr uintmax_t kMaxFileBytes = uintmax_t(512) << 20;
-constexpr size_t kMaxElements = size_t(1) << 24;   // vertices or indices of a scene: about 1 GiB of vertices
+constexpr size_t kMaxElements = size_t(1) << 24;   // vertices or indices of a scene: about 1.5 GiB of vertices
 constexpr size_t kMaxImageBytes = size_t(1) << 31; // decoded pixels of all images of a scene
 constexpr int kMaxImageSize = 16384;               // pixels, width and height
 constexpr int kMaxNodeDepth = 256;
-constexpr int kMaxJsonDepth = 256; // tinygltf recurses once per level of "extras"
+constexpr size_t kMaxJoints = 16384; // of all skins: what fits into the smallest buffer texture, 4 texels a matrix
+constexpr int kMaxJsonDepth = 256;   // tinygltf recurses once per level of "extras"
 
 // Ends the loading: load_gltf turns it into its error sentence.
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
@@ -327,6 +326,25 @@ std::vector<glm::vec4> read_vectors(const tinygltf::Model& model, int accessor_i
     return vectors;
 }
 
+// Inverse bind matrices; the fourth row is implied.
+std::vector<glm::mat4> read_matrices(const tinygltf::Model& model, int accessor_index) {
+    const tinygltf::Accessor& accessor = at(model.accessors, accessor_index, "accessor");
+    const std::string name = label("accessor", size_t(accessor_index));
+    if (accessor.type != TINYGLTF_TYPE_MAT4 || accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        fail(name + " holds inverse bind matrices but is not of type MAT4 and float");
+    }
+    const Bytes packed = packed_elements(model, accessor, sizeof(glm::mat4));
+    std::vector<glm::mat4> matrices(accessor.count);
+    for (size_t i = 0; i < matrices.size(); ++i) {
+        matrices[i] = load_as<glm::mat4>(&packed[i * sizeof(glm::mat4)]);
+        const float* numbers = glm::value_ptr(matrices[i]);
+        if (!std::all_of(numbers, numbers + 16, [](float x) { return std::isfinite(x); })) {
+            fail(name + " contains a value that is not finite");
+        }
+    }
+    return matrices;
+}
+
 // ---- Meshes -------------------------------------------------------------------------------------------
 
 glm::vec3 normalized_or(glm::vec3 vector, glm::vec3 fallback) {
@@ -420,6 +438,36 @@ bool read_attribute(const tinygltf::Model& model, const tinygltf::Primitive& pri
     return true;
 }
 
+// A weight of 0 may come with any joint: then joint 0 does as well. Without any weight the first joint has it all.
+void set_weights(Vertex* vertex, glm::vec4 weights) {
+    if (glm::any(glm::lessThan(weights, glm::vec4(0.0f)))) { fail("a vertex has a negative joint weight"); }
+    const float sum = weights.x + weights.y + weights.z + weights.w;
+    vertex->weights = sum > 0.0f ? weights / sum : glm::vec4(1.0f, 0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 4; ++i) {
+        if (vertex->weights[i] == 0.0f) { vertex->joints[i] = 0; }
+    }
+}
+
+void check_joint_type(const tinygltf::Accessor& accessor) {
+    const bool is_unsigned = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                             accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+    if (!is_unsigned || accessor.normalized) { fail("the joints of a primitive are not unsigned bytes or shorts"); }
+}
+
+// Four joints a vertex; a second set of attributes is left out, and its share is the others'.
+void read_influences(const tinygltf::Model& model, const tinygltf::Primitive& primitive, Mesh* mesh) {
+    const auto joints = primitive.attributes.find("JOINTS_0");
+    const bool has_joints = joints != primitive.attributes.end();
+    if (has_joints != (primitive.attributes.count("WEIGHTS_0") > 0)) {
+        fail("a primitive has joints without weights, or weights without joints");
+    }
+    if (!has_joints) { return; }
+    check_joint_type(at(model.accessors, joints->second, "accessor"));
+    read_attribute(model, primitive, "JOINTS_0", 4, 4, mesh,
+                   [](Vertex* vertex, glm::vec4 value) { vertex->joints = value; });
+    read_attribute(model, primitive, "WEIGHTS_0", 4, 4, mesh, set_weights);
+}
+
 void read_index_list(const tinygltf::Model& model, const tinygltf::Primitive& primitive, Mesh* mesh) {
     std::vector<uint32_t> indices;
     if (primitive.indices >= 0) {
@@ -454,6 +502,7 @@ Mesh read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& pri
         });
     const bool has_tangents = read_attribute(model, primitive, "TANGENT", 4, 4, &mesh,
                                              [](Vertex* vertex, glm::vec4 value) { vertex->tangent = value; });
+    read_influences(model, primitive, &mesh);
     if (!has_normals) { generate_flat_normals(&mesh); }
     // Tangents belong to the normals that they came with, and only a normal map needs them.
     const bool has_normal_map =
@@ -628,18 +677,20 @@ void read_materials(const tinygltf::Model& model, Scene* scene) {
 
 // ---- Nodes and cameras --------------------------------------------------------------------------------
 
-glm::mat4 local_matrix(const tinygltf::Node& node) {
-    if (!node.matrix.empty()) {
-        glm::mat4 matrix(1.0f);
-        if (node.matrix.size() != 16) { fail("the matrix of a node does not have 16 numbers"); }
-        std::transform(node.matrix.begin(), node.matrix.end(), glm::value_ptr(matrix), finite);
-        return matrix;
-    }
-    const auto translation = read_vector(node.translation, glm::vec3(0.0f));
+glm::mat4 read_matrix(const tinygltf::Node& node) {
+    glm::mat4 matrix(1.0f);
+    if (node.matrix.size() != 16) { fail("the matrix of a node does not have 16 numbers"); }
+    std::transform(node.matrix.begin(), node.matrix.end(), glm::value_ptr(matrix), finite);
+    return matrix;
+}
+
+Transform read_transform(const tinygltf::Node& node) {
     const auto xyzw = read_vector(node.rotation, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
-    const auto scale = read_vector(node.scale, glm::vec3(1.0f));
-    const glm::quat rotation = glm::normalize(glm::quat(xyzw.w, xyzw.x, xyzw.y, xyzw.z));
-    return glm::scale(glm::translate(glm::mat4(1.0f), translation) * glm::mat4_cast(rotation), scale);
+    Transform transform;
+    transform.translation = read_vector(node.translation, glm::vec3(0.0f));
+    transform.rotation = glm::normalize(glm::quat(xyzw.w, xyzw.x, xyzw.y, xyzw.z));
+    transform.scale = read_vector(node.scale, glm::vec3(1.0f));
+    return transform;
 }
 
 Camera read_camera(const tinygltf::Camera& source) {
@@ -653,26 +704,30 @@ Camera read_camera(const tinygltf::Camera& source) {
     return camera;
 }
 
+using NodeIndices = std::vector<int>; // for each node of the file its place in the scene, -1 if it is not there
+
 // Appends the nodes of a glTF scene depth first, so that parents stand before their children.
 class NodeReader {
 public:
     NodeReader(const tinygltf::Model& model, const std::vector<MeshIndices>& mesh_indices, Scene* scene)
-        : model_(model), mesh_indices_(mesh_indices), scene_(scene), visited_(model.nodes.size(), false) {}
+        : model_(model), mesh_indices_(mesh_indices), scene_(scene), indices_(model.nodes.size(), -1) {}
 
     void add(int gltf_index, int parent, int depth) {
         const tinygltf::Node& source = at(model_.nodes, gltf_index, "node");
         const std::string name = label("node", size_t(gltf_index));
-        if (visited_[size_t(gltf_index)]) { fail(name + " has two parents or is its own ancestor"); }
+        if (indices_[size_t(gltf_index)] >= 0) { fail(name + " has two parents or is its own ancestor"); }
         if (depth > kMaxNodeDepth) {
             fail("its nodes are nested more than " + std::to_string(kMaxNodeDepth) + " levels deep");
         }
-        visited_[size_t(gltf_index)] = true;
-
         const int index = int(scene_->nodes.size());
+        indices_[size_t(gltf_index)] = index;
+
         Node& node = scene_->nodes.emplace_back();
         node.parent = parent;
-        node.local = local_matrix(source);
+        if (source.matrix.empty()) { node.rest = read_transform(source); }
+        node.local = node.rest ? to_matrix(*node.rest) : read_matrix(source);
         if (source.mesh >= 0) { node.meshes = at(mesh_indices_, source.mesh, "mesh"); }
+        if (source.mesh >= 0 && source.skin >= 0) { node.skin = source.skin; }
         if (source.camera >= 0) {
             scene_->cameras.push_back(read_camera(at(model_.cameras, source.camera, "camera")));
             camera_nodes_.push_back(index);
@@ -686,20 +741,161 @@ public:
         }
     }
 
+    const NodeIndices& indices() const { return indices_; }
+
 private:
     const tinygltf::Model& model_;
     const std::vector<MeshIndices>& mesh_indices_;
     Scene* scene_;
-    std::vector<bool> visited_;
+    NodeIndices indices_;
     std::vector<int> camera_nodes_; // for each camera of the scene
 };
 
-void read_nodes(const tinygltf::Model& model, const std::vector<MeshIndices>& mesh_indices, Scene* scene) {
+NodeIndices read_nodes(const tinygltf::Model& model, const std::vector<MeshIndices>& mesh_indices, Scene* scene) {
     NodeReader reader(model, mesh_indices, scene);
     for (int root : at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes) { reader.add(root, -1, 1); }
     update_world_matrices(scene);
     reader.place_cameras();
+    return reader.indices();
 }
+
+// ---- Skins and animations -----------------------------------------------------------------------------
+
+Skin read_skin(const tinygltf::Model& model, int skin_index, const NodeIndices& node_indices) {
+    const tinygltf::Skin& source = at(model.skins, skin_index, "skin");
+    const std::string name = label("skin", size_t(skin_index));
+    Skin skin;
+    for (int joint : source.joints) {
+        skin.nodes.push_back(at(node_indices, joint, "node"));
+        if (skin.nodes.back() < 0) { fail("a joint of " + name + " is not in the scene"); }
+    }
+    if (skin.nodes.empty()) { fail(name + " has no joints"); }
+    skin.inverse_bind.assign(skin.nodes.size(), glm::mat4(1.0f));
+    if (source.inverseBindMatrices >= 0) { skin.inverse_bind = read_matrices(model, source.inverseBindMatrices); }
+    if (skin.inverse_bind.size() < skin.nodes.size()) { fail(name + " has fewer inverse bind matrices than joints"); }
+    return skin;
+}
+
+void check_joints(const Mesh& mesh, const std::string& skin_name, size_t joint_count) {
+    for (const Vertex& vertex : mesh.vertices) {
+        if (vertex.weights == glm::vec4(0.0f)) {
+            fail("a mesh drawn with " + skin_name + " has no joints and weights");
+        }
+        for (int i = 0; i < 4; ++i) {
+            if (vertex.joints[i] >= joint_count) {
+                fail("a vertex uses joint " + std::to_string(vertex.joints[i]) + ", but " + skin_name + " only has " +
+                     std::to_string(joint_count) + " joints");
+            }
+        }
+    }
+}
+
+// Only the skins that are drawn: others may belong to another scene of the file.
+void read_skins(const tinygltf::Model& model, const NodeIndices& node_indices, Scene* scene) {
+    size_t joints = 0;
+    scene->skins.resize(model.skins.size());
+    for (const Node& node : scene->nodes) {
+        if (node.skin < 0) { continue; }
+        at(scene->skins, node.skin, "skin");
+        Skin& skin = scene->skins[size_t(node.skin)];
+        if (skin.nodes.empty()) {
+            skin = read_skin(model, node.skin, node_indices);
+            joints += skin.nodes.size();
+            if (joints > kMaxJoints) { fail("its skins have more than " + std::to_string(kMaxJoints) + " joints"); }
+        }
+        for (int mesh : node.meshes) {
+            check_joints(scene->meshes[size_t(mesh)], label("skin", size_t(node.skin)), skin.nodes.size());
+        }
+    }
+}
+
+std::vector<float> read_times(const tinygltf::Model& model, int accessor_index) {
+    const std::string name = label("accessor", size_t(std::max(accessor_index, 0)));
+    std::vector<float> times;
+    for (const glm::vec4& value : read_vectors(model, accessor_index, 1, 1, glm::vec4(0.0f))) {
+        if (value.x < 0.0f || (!times.empty() && value.x <= times.back())) {
+            fail(name + " holds the times of an animation, which are negative or do not increase");
+        }
+        times.push_back(value.x);
+    }
+    if (times.empty()) { fail(name + " holds the times of an animation but is empty"); }
+    return times;
+}
+
+Interpolation read_interpolation(const std::string& gltf_word) {
+    if (gltf_word == "STEP") { return Interpolation::step; }
+    if (gltf_word == "CUBICSPLINE") { return Interpolation::cubic; }
+    if (gltf_word != "LINEAR" && !gltf_word.empty()) { fail("an animation has an unknown interpolation"); }
+    return Interpolation::linear;
+}
+
+Sampler read_sampler(const tinygltf::Model& model, const tinygltf::AnimationSampler& source) {
+    Sampler sampler;
+    sampler.interpolation = read_interpolation(source.interpolation);
+    sampler.times = read_times(model, source.input);
+    sampler.values = read_vectors(model, source.output, 1, 4, glm::vec4(0.0f));
+    const size_t values_per_key = sampler.interpolation == Interpolation::cubic ? 3 : 1;
+    if (sampler.values.size() % (values_per_key * sampler.times.size()) != 0 || sampler.values.empty()) {
+        fail("an animation has the wrong number of values for its " + std::to_string(sampler.times.size()) + " times");
+    }
+    return sampler;
+}
+
+// None for what this loader does not move: morph targets, and what extensions animate.
+std::optional<AnimatedPart> read_part(const std::string& gltf_path) {
+    if (gltf_path == "translation") { return AnimatedPart::translation; }
+    if (gltf_path == "rotation") { return AnimatedPart::rotation; }
+    if (gltf_path == "scale") { return AnimatedPart::scale; }
+    return std::nullopt;
+}
+
+// One value of three or four numbers for each key, as the moved part needs.
+void check_values(const tinygltf::Model& model, const tinygltf::AnimationSampler& source, const Sampler& sampler,
+                  AnimatedPart part) {
+    const int type = part == AnimatedPart::rotation ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3;
+    const size_t values_per_key = sampler.interpolation == Interpolation::cubic ? 3 : 1;
+    if (model.accessors[size_t(source.output)].type != type) {
+        fail("an animation moves a rotation by other than VEC4, or a translation or scale by other than VEC3");
+    }
+    if (sampler.values.size() != values_per_key * sampler.times.size()) {
+        fail("an animation has more values than its times ask for");
+    }
+}
+
+void read_channel(const tinygltf::Model& model, const tinygltf::Animation& source,
+                  const tinygltf::AnimationChannel& channel, const NodeIndices& node_indices, const Scene& scene,
+                  Animation* animation) {
+    const std::optional<AnimatedPart> part = read_part(channel.target_path);
+    const Sampler& sampler = at(animation->samplers, channel.sampler, "sampler");
+    const int node = at(node_indices, channel.target_node, "node");
+    if (!part || node < 0) { return; } // nothing to see
+    check_values(model, source.samplers[size_t(channel.sampler)], sampler, *part);
+    if (!scene.nodes[size_t(node)].rest) {
+        fail("an animation moves " + label("node", size_t(channel.target_node)) + ", which has a matrix");
+    }
+    animation->channels.push_back({node, *part, channel.sampler});
+    animation->duration = std::max(animation->duration, sampler.times.back());
+}
+
+void read_animations(const tinygltf::Model& model, const NodeIndices& node_indices, Scene* scene) {
+    size_t values = 0;
+    for (const tinygltf::Animation& source : model.animations) {
+        Animation& animation = scene->animations.emplace_back();
+        animation.name = source.name;
+        for (const tinygltf::AnimationSampler& sampler : source.samplers) {
+            animation.samplers.push_back(read_sampler(model, sampler));
+            values += animation.samplers.back().values.size();
+            if (values > kMaxElements) {
+                fail("its animations have more than " + std::to_string(kMaxElements) + " values");
+            }
+        }
+        for (const tinygltf::AnimationChannel& channel : source.channels) {
+            read_channel(model, source, channel, node_indices, *scene, &animation);
+        }
+    }
+}
+
+// ---- All of it ----------------------------------------------------------------------------------------
 
 bool is_finite(glm::vec3 vector) {
     return std::isfinite(vector.x) && std::isfinite(vector.y) && std::isfinite(vector.z);
@@ -721,7 +917,9 @@ Scene read_scene(const fs::path& path) {
     read_textures(model, &scene);
     read_materials(model, &scene);
     const std::vector<MeshIndices> mesh_indices = read_meshes(model, &scene);
-    read_nodes(model, mesh_indices, &scene);
+    const NodeIndices node_indices = read_nodes(model, mesh_indices, &scene);
+    read_skins(model, node_indices, &scene);
+    read_animations(model, node_indices, &scene);
     if (!draws_something(scene)) { fail("it has no triangles to draw"); }
     update_bounds(&scene);
     if (!is_finite(scene.bounds_min) || !is_finite(scene.bounds_max)) {

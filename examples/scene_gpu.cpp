@@ -25,8 +25,56 @@ void main() { // (-1,-1) (3,-1) (-1,3)
 }
 )";
 
-const char* const kShadowVertex = R"(
+// Behind `#define SCENE_SKINS` where there are any: a scene without them shall not pay for them.
+const char* const kSceneVertex = R"(
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec3 a_normal;
+layout(location = 2) in vec4 a_tangent;
+layout(location = 3) in vec2 a_uv;
+layout(location = 4) in vec4 a_color;
+
 uniform mat4 u_world;
+uniform mat4 u_world_before; // the same, one frame ago
+uniform mat3 u_normal_to_world;
+uniform float u_handedness;
+
+float handedness() { return u_handedness; }
+
+#ifdef SCENE_SKINS
+layout(location = 5) in uvec4 a_joints;
+layout(location = 6) in vec4 a_weights;
+
+uniform int u_first_joint; // -1: the mesh has no skin
+uniform samplerBuffer u_joints;
+uniform samplerBuffer u_joints_before;
+
+mat4 joint(samplerBuffer joints, uint index) {
+    int t = 4 * (u_first_joint + int(index));
+    return mat4(texelFetch(joints, t), texelFetch(joints, t + 1), texelFetch(joints, t + 2), texelFetch(joints, t + 3));
+}
+
+mat4 skin(samplerBuffer joints) {
+    return a_weights.x * joint(joints, a_joints.x) + a_weights.y * joint(joints, a_joints.y) +
+           a_weights.z * joint(joints, a_joints.z) + a_weights.w * joint(joints, a_joints.w);
+}
+
+mat4 to_world() { return u_first_joint < 0 ? u_world : skin(u_joints); }
+mat4 to_world_before() { return u_first_joint < 0 ? u_world_before : skin(u_joints_before); }
+
+// Cofactors are the inverse transpose times the determinant: they need no division.
+mat3 normal_to_world() {
+    if (u_first_joint < 0) return u_normal_to_world;
+    mat3 m = mat3(to_world());
+    return mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * u_handedness;
+}
+#else
+mat4 to_world() { return u_world; }
+mat4 to_world_before() { return u_world_before; }
+mat3 normal_to_world() { return u_normal_to_world; }
+#endif
+)";
+
+const char* const kShadowVertex = R"(
 uniform mat4 u_clip;
 out vec2 v_uv;
 out vec4 v_color;
@@ -34,7 +82,7 @@ out vec4 v_color;
 void main() {
     v_uv = a_uv;
     v_color = a_color;
-    gl_Position = u_clip * (u_world * vec4(a_position, 1.0));
+    gl_Position = u_clip * (to_world() * vec4(a_position, 1.0));
 }
 )";
 
@@ -166,7 +214,6 @@ void begin_shadow_pass(GLuint texture, int size) {
 }
 
 void end_shadow_pass() {
-    glUseProgram(0); // the program is about to be deleted
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
@@ -234,14 +281,6 @@ void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLu
 
 // ---- Scene ----------------------------------------------------------------------------------------------
 
-const char* const kSceneAttributes = R"(
-layout(location = 0) in vec3 a_position;
-layout(location = 1) in vec3 a_normal;
-layout(location = 2) in vec4 a_tangent;
-layout(location = 3) in vec2 a_uv;
-layout(location = 4) in vec4 a_color;
-)";
-
 const char* const kSceneMaterial = R"(
 uniform vec4 u_factors[3]; // base color | emissive, alpha cutoff | metallic, roughness, normal scale, unlit
 uniform sampler2D u_base_color;
@@ -256,10 +295,28 @@ vec4 base_color(vec2 uv, vec4 vertex_color) {
 bool is_cut_out(vec4 base) { return base.a < u_factors[1].a; }
 )";
 
-GpuScene::GpuScene(const Scene& scene) {
+GpuPose::GpuPose(Pose matrices) : matrices_(std::move(matrices)) {
+    const std::vector<mat4>& joints = matrices_.joints;
+    if (joints.empty()) { return; }
+    joints_ = make_buffer(GL_TEXTURE_BUFFER, joints.size() * sizeof(mat4), joints.data());
+    texture_ = make_texture();
+    glBindTexture(GL_TEXTURE_BUFFER, texture_.name());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, joints_.name());
+}
+
+void GpuPose::bind_joints(int unit) const {
+    glActiveTexture(GLenum(GL_TEXTURE0 + unit));
+    glBindTexture(GL_TEXTURE_BUFFER, texture_.name());
+}
+
+GpuScene::GpuScene(const Scene& scene) : first_pose_(std::make_shared<GpuPose>(current_pose(scene))) {
     upload_geometry(scene);
     upload_materials(scene);
     list_draws(scene);
+}
+
+std::string GpuScene::vertex_text() const {
+    return std::string(has_skins_ ? "#define SCENE_SKINS\n" : "") + kSceneVertex;
 }
 
 void GpuScene::upload_geometry(const Scene& scene) {
@@ -278,6 +335,11 @@ void GpuScene::upload_geometry(const Scene& scene) {
     set_attribute(2, 4, offsetof(Vertex, tangent));
     set_attribute(3, 2, offsetof(Vertex, uv));
     set_attribute(4, 4, offsetof(Vertex, color));
+    glEnableVertexAttribArray(5);
+    glVertexAttribIPointer(
+        5, 4, GL_UNSIGNED_SHORT, GLsizei(sizeof(Vertex)),
+        reinterpret_cast<const void*>(offsetof(Vertex, joints))); // NOLINT(performance-no-int-to-ptr)
+    set_attribute(6, 4, offsetof(Vertex, weights));
     glBindVertexArray(0);
 }
 
@@ -315,15 +377,17 @@ void GpuScene::list_draws(const Scene& scene) {
         index_count += mesh.indices.size();
         vertex_count += mesh.vertices.size();
     }
-    for (const Node& node : scene.nodes) {
-        const glm::mat3 linear(node.world);
+    const std::vector<int> first_joints = first_joints_of(scene);
+    for (size_t node_index = 0; node_index < scene.nodes.size(); ++node_index) {
+        const Node& node = scene.nodes[node_index];
+        const int first_joint = node.skin < 0 ? -1 : first_joints[size_t(node.skin)];
+        has_skins_ = has_skins_ || first_joint >= 0;
         for (int mesh_index : node.meshes) {
             const Mesh& mesh = scene.meshes[size_t(mesh_index)];
             const auto [first_index, first_vertex] = starts[size_t(mesh_index)];
             const Material& material = scene.materials[size_t(mesh.material)];
             if (material.alpha_mode == AlphaMode::blend || mesh.indices.empty()) { continue; }
-            draws_.push_back({mesh.material, node.world, glm::transpose(glm::inverse(linear)),
-                              glm::determinant(linear) < 0.0f ? -1.0f : 1.0f, GLsizei(mesh.indices.size()), first_index,
+            draws_.push_back({mesh.material, int(node_index), first_joint, GLsizei(mesh.indices.size()), first_index,
                               GLint(first_vertex)});
         }
     }
@@ -331,32 +395,59 @@ void GpuScene::list_draws(const Scene& scene) {
                      [](const Draw& a, const Draw& b) { return a.material < b.material; });
 }
 
-DrawCounts GpuScene::draw(GLuint program, int instances, Sides sides) const {
-    static const char* const samplers[] = {"u_base_color", "u_metallic_roughness", "u_normal", "u_emissive"};
-    const GLint factors = glGetUniformLocation(program, "u_factors");
-    const GLint world = glGetUniformLocation(program, "u_world");
-    const GLint normal_to_world = glGetUniformLocation(program, "u_normal_to_world");
-    const GLint handedness = glGetUniformLocation(program, "u_handedness");
-    for (int unit = 0; unit < 4; ++unit) { set_uniform(program, samplers[unit], unit); }
+void GpuScene::set_material(GLuint program, const GpuMaterial& material, Sides sides) {
+    glUniform4fv(glGetUniformLocation(program, "u_factors"), GLsizei(material.factors.size()),
+                 glm::value_ptr(material.factors[0]));
+    for (size_t unit = 0; unit < material.textures.size(); ++unit) {
+        glActiveTexture(GLenum(GL_TEXTURE0 + unit));
+        glBindTexture(GL_TEXTURE_2D, material.textures[unit]);
+    }
+    (material.double_sided || sides == Sides::both ? glDisable : glEnable)(GL_CULL_FACE);
+}
+
+// Of the uniforms that place a mesh.
+struct GpuScene::Places {
+    explicit Places(GLuint program)
+        : world(glGetUniformLocation(program, "u_world")),
+          world_before(glGetUniformLocation(program, "u_world_before")),
+          normal_to_world(glGetUniformLocation(program, "u_normal_to_world")),
+          handedness(glGetUniformLocation(program, "u_handedness")),
+          first_joint(glGetUniformLocation(program, "u_first_joint")) {}
+
+    GLint world, world_before, normal_to_world, handedness, first_joint;
+};
+
+// A skinned mesh is mirrored when its first joint is.
+void GpuScene::place(const Draw& draw, const Pose& pose, const Pose& before, const Places& places) {
+    const mat4& world = pose.nodes[size_t(draw.node)];
+    const glm::mat3 linear(draw.first_joint < 0 ? world : pose.joints[size_t(draw.first_joint)]);
+    const bool mirrored = glm::determinant(linear) < 0.0f;
+    glFrontFace(mirrored ? GL_CW : GL_CCW);
+    glUniformMatrix4fv(places.world, 1, GL_FALSE, glm::value_ptr(world));
+    glUniformMatrix4fv(places.world_before, 1, GL_FALSE, glm::value_ptr(before.nodes[size_t(draw.node)]));
+    glUniformMatrix3fv(places.normal_to_world, 1, GL_FALSE, glm::value_ptr(glm::transpose(glm::inverse(linear))));
+    glUniform1f(places.handedness, mirrored ? -1.0f : 1.0f);
+    glUniform1i(places.first_joint, draw.first_joint);
+}
+
+DrawCounts GpuScene::draw(GLuint program, const GpuPose& pose, const GpuPose& before, int instances,
+                          Sides sides) const {
+    static const char* const samplers[] = {"u_base_color", "u_metallic_roughness", "u_normal", "u_emissive",
+                                           "u_joints",     "u_joints_before"};
+    const Places places(program);
+    for (int unit = 0; unit < 6; ++unit) { set_uniform(program, samplers[unit], unit); }
+    pose.bind_joints(4);
+    before.bind_joints(5);
     glBindVertexArray(vertex_array_.name());
 
     DrawCounts counts;
     int bound_material = -1;
     for (const Draw& d : draws_) {
-        const GpuMaterial& material = materials_[size_t(d.material)];
         if (d.material != bound_material) {
             bound_material = d.material;
-            glUniform4fv(factors, GLsizei(material.factors.size()), glm::value_ptr(material.factors[0]));
-            for (size_t unit = 0; unit < material.textures.size(); ++unit) {
-                glActiveTexture(GLenum(GL_TEXTURE0 + unit));
-                glBindTexture(GL_TEXTURE_2D, material.textures[unit]);
-            }
-            (material.double_sided || sides == Sides::both ? glDisable : glEnable)(GL_CULL_FACE);
+            set_material(program, materials_[size_t(d.material)], sides);
         }
-        glFrontFace(d.handedness < 0.0f ? GL_CW : GL_CCW);
-        glUniformMatrix4fv(world, 1, GL_FALSE, glm::value_ptr(d.world));
-        glUniformMatrix3fv(normal_to_world, 1, GL_FALSE, glm::value_ptr(d.normal_to_world));
-        glUniform1f(handedness, d.handedness);
+        place(d, pose.matrices(), before.matrices(), places);
         const size_t offset = d.first_index * sizeof(uint32_t);
         glDrawElementsInstancedBaseVertex(GL_TRIANGLES, d.index_count, GL_UNSIGNED_INT,
                                           reinterpret_cast<const void*>(offset), // NOLINT(performance-no-int-to-ptr)
@@ -367,24 +458,37 @@ DrawCounts GpuScene::draw(GLuint program, int instances, Sides sides) const {
     return counts;
 }
 
-ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
-    const mat4 clip = sun_clip_from_world(scene, glm::normalize(sun.direction));
+ShadowMap make_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
     const mat4 half = glm::scale(glm::translate(mat4(1.0f), vec3(0.5f)), vec3(0.5f)); // -1..1 to 0..1
     ShadowMap map;
+    map.size = size;
+    map.clip = sun_clip_from_world(scene, glm::normalize(sun.direction));
     map.texture = make_shadow_texture(size);
-    map.from_world = half * clip;
+    map.from_world = half * map.clip;
     // rows of an orthographic matrix are 2 / extent long
-    const glm::mat4 rows = glm::transpose(clip);
+    const glm::mat4 rows = glm::transpose(map.clip);
     map.texel = 2.0f / std::min(glm::length(vec3(rows[0])), glm::length(vec3(rows[1]))) / float(size);
+    map.program = make_program("shadow", kVersion + gpu_scene.vertex_text() + kShadowVertex, "",
+                               std::string(kVersion) + kSceneMaterial + kShadowFragment);
+    return map;
+}
 
-    const GlObject program = make_program("shadow", std::string(kVersion) + kSceneAttributes + kShadowVertex, "",
-                                          std::string(kVersion) + kSceneMaterial + kShadowFragment);
+bool update_shadow_map(const GpuScene& gpu_scene, const GpuPose& pose, ShadowMap* map) {
+    const Pose& matrices = pose.matrices();
+    if (map->pose && map->pose->nodes == matrices.nodes && map->pose->joints == matrices.joints) { return false; }
+    map->pose = matrices;
     const GlObject framebuffer = make_framebuffer();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-    begin_shadow_pass(map.texture.name(), size);
-    glUseProgram(program.name());
-    set_uniform(program.name(), "u_clip", clip);
-    gpu_scene.draw(program.name(), 1, GpuScene::Sides::both);
+    begin_shadow_pass(map->texture.name(), map->size);
+    glUseProgram(map->program.name());
+    set_uniform(map->program.name(), "u_clip", map->clip);
+    gpu_scene.draw(map->program.name(), pose, pose, 1, GpuScene::Sides::both);
     end_shadow_pass();
+    return true;
+}
+
+ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
+    ShadowMap map = make_shadow_map(scene, gpu_scene, sun, size);
+    update_shadow_map(gpu_scene, *gpu_scene.first_pose(), &map);
     return map;
 }

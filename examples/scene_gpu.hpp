@@ -6,6 +6,8 @@
 #include <epoxy/gl.h>
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,21 +69,39 @@ struct DrawCounts {
     int64_t triangles = 0; // handed to OpenGL, once an instance
 };
 
-// The vertex attributes, for the start of every vertex shader that draws the scene.
-extern const char* const kSceneAttributes;
 // The material's factors and textures, for the start of every fragment shader that draws the scene.
 extern const char* const kSceneMaterial;
+
+// A pose that can be drawn.
+class GpuPose {
+public:
+    explicit GpuPose(Pose matrices);
+
+    const Pose& matrices() const { return matrices_; }
+    void bind_joints(int unit) const; // a buffer texture, 4 texels a matrix
+
+private:
+    Pose matrices_;
+    GlObject joints_, texture_; // none without joints
+};
 
 class GpuScene {
 public:
     explicit GpuScene(const Scene& scene);
 
+    // The pose that the scene had when it was uploaded.
+    std::shared_ptr<const GpuPose> first_pose() const { return first_pose_; }
+
+    // For the start of every vertex shader that draws the scene: attributes a_*, and what moves them,
+    //     mat4 to_world(); mat4 to_world_before(); mat3 normal_to_world(); float handedness()
+    // of which the last is -1 where the vertex is mirrored.
+    std::string vertex_text() const;
+
     enum class Sides { as_material, both };
 
-    // Draws all opaque and alpha-masked meshes with a program made of the texts above. It gets the uniforms
-    //     mat4 u_world; mat3 u_normal_to_world; float u_handedness (-1 where the node mirrors its mesh)
-    // Leaves face culling and the front face as the last mesh needed them.
-    DrawCounts draw(GLuint program, int instances, Sides sides) const;
+    // Draws all opaque and alpha-masked meshes with a program made of the texts above. `before` is where they were a
+    // frame ago. Leaves face culling and the front face as the last mesh needed them.
+    DrawCounts draw(GLuint program, const GpuPose& pose, const GpuPose& before, int instances, Sides sides) const;
 
 private:
     struct GpuMaterial {
@@ -91,22 +111,26 @@ private:
     };
     struct Draw {
         int material;
-        glm::mat4 world;
-        glm::mat3 normal_to_world;
-        float handedness;
+        int node;
+        int first_joint; // -1: the node places the mesh
         GLsizei index_count;
         size_t first_index;
         GLint first_vertex;
     };
+    struct Places; // of uniforms
 
     void upload_geometry(const Scene& scene);
     void upload_materials(const Scene& scene);
     void list_draws(const Scene& scene);
+    static void set_material(GLuint program, const GpuMaterial& material, Sides sides);
+    static void place(const Draw& draw, const Pose& pose, const Pose& before, const Places& places);
 
     GlObject vertex_array_, vertices_, indices_;
     std::vector<GlObject> textures_;
     std::vector<GpuMaterial> materials_;
     std::vector<Draw> draws_;
+    bool has_skins_ = false;
+    std::shared_ptr<const GpuPose> first_pose_;
 };
 
 // Depth of the scene as the sun sees it, in an orthographic picture of the scene's bounds.
@@ -114,6 +138,17 @@ struct ShadowMap {
     GlObject texture;           // compared and filtered by the sampler
     glm::mat4 from_world{1.0f}; // to texture coordinates and depth, 0..1
     float texel = 0.0f;         // size in the scene, metres
+
+    int size = 0;             // texels along one side
+    glm::mat4 clip{1.0f};     // from world
+    GlObject program;         // that draws it
+    std::optional<Pose> pose; // that it shows; none yet
 };
 
+ShadowMap make_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size = 4096);
+
+// Draws the map, unless it shows this very pose. Returns whether it did.
+bool update_shadow_map(const GpuScene& gpu_scene, const GpuPose& pose, ShadowMap* map);
+
+// Both, for a scene in which nothing moves.
 ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size = 4096);

@@ -27,9 +27,6 @@ constexpr int kVaryingCount = 4;
 constexpr float kNormalOffset = 3.5f;
 
 const char* const kMaterialVertex = R"(
-uniform mat4 u_world;
-uniform mat3 u_normal_to_world;
-uniform float u_handedness;
 uniform mat4 u_view;
 uniform mat4 u_clip;          // from world
 uniform mat4 u_previous_clip; // the same, one frame ago
@@ -40,12 +37,24 @@ out vec2 v_uv;
 out vec4 v_color;
 
 void main() {
-    vec4 world = u_world * vec4(a_position, 1.0);
-    v_normal = mat3(u_view) * (u_normal_to_world * a_normal);
-    v_tangent = vec4(mat3(u_view) * (mat3(u_world) * a_tangent.xyz), a_tangent.w * u_handedness);
+    mat4 world = to_world();
+    v_normal = mat3(u_view) * (normal_to_world() * a_normal);
+    v_tangent = vec4(mat3(u_view) * (mat3(world) * a_tangent.xyz), a_tangent.w * handedness());
     v_uv = a_uv;
     v_color = a_color;
-    dgb_vertex(u_clip * world, u_previous_clip * world); // nothing in the scene moves but the camera
+    vec4 position = vec4(a_position, 1.0);
+    dgb_vertex(u_clip * (world * position), u_previous_clip * (to_world_before() * position));
+}
+)";
+
+// For passes that keep no color.
+const char* const kDepthFragment = R"(
+in vec2 v_uv;
+in vec4 v_color;
+
+void main() {
+    if (is_cut_out(base_color(v_uv, v_color))) discard;
+    if (!dgb_keep()) discard;
 }
 )";
 
@@ -89,6 +98,7 @@ uniform sampler2DArray u_albedo;
 uniform sampler2DArray u_normal;
 uniform sampler2DShadow u_shadow_map;
 uniform int u_layer;
+uniform float u_divisor; // of the layer's resolution
 uniform float u_empty_depth;
 uniform mat4 u_view;
 uniform mat4 u_world_from_buffer; // pixel, depth
@@ -127,7 +137,7 @@ void main() {
     float cosine = dot(normal, u_to_sun);
     if (cosine <= 0.0 || albedo.a == 0.0) discard;
 
-    vec4 world = u_world_from_buffer * vec4(gl_FragCoord.xy, depth, 1.0);
+    vec4 world = u_world_from_buffer * vec4(gl_FragCoord.xy * u_divisor, depth, 1.0);
     float visibility = sun_visibility(world.xyz / world.w + normal * u_normal_offset);
     out_layer = vec4(albedo.rgb / PI * (u_strength * cosine * visibility), 0.0);
     out_direct = out_layer;
@@ -281,7 +291,7 @@ void SceneRenderer::init_library() {
     if (dgb_init(&library_.context, &layers) != DGB_OK) { throw std::runtime_error(library_.complaint); }
 }
 
-void SceneRenderer::make_programs() {
+GlObject SceneRenderer::make_layers_program(const char* what, const char* fragment) const {
     const dgb_context* context = &library_.context;
     const auto prefix = [&](dgbgl_stage stage) {
         return text_of([&](char* text, size_t size) {
@@ -290,11 +300,17 @@ void SceneRenderer::make_programs() {
     };
     const std::string geometry = text_of(
         [&](char* text, size_t size) { return dgbgl_geometry_shader(context, kVaryings, kVaryingCount, text, size); });
-    material_program_ = make_program("material", prefix(DGBGL_VERTEX) + kSceneAttributes + kMaterialVertex, geometry,
-                                     prefix(DGBGL_FRAGMENT) + kSceneMaterial + kMaterialFragment);
-    if (dgbgl_attach_program(context, material_program_.name()) != DGB_OK) {
-        throw std::runtime_error("the material program lacks the library's text");
+    GlObject program = make_program(what, prefix(DGBGL_VERTEX) + desc_.scene->vertex_text() + kMaterialVertex, geometry,
+                                    prefix(DGBGL_FRAGMENT) + kSceneMaterial + fragment);
+    if (dgbgl_attach_program(context, program.name()) != DGB_OK) {
+        throw std::runtime_error(std::string("the ") + what + " program lacks the library's text");
     }
+    return program;
+}
+
+void SceneRenderer::make_programs() {
+    material_program_ = make_layers_program("material", kMaterialFragment);
+    if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
     light_program_ = make_fullscreen_program("light", kLightFragment);
     composite_program_ = make_fullscreen_program("composite", kCompositeFragment);
 }
@@ -329,35 +345,62 @@ GLuint SceneRenderer::texture(dgb_slot slot) const {
 
 // ---- A frame --------------------------------------------------------------------------------------------
 
-void SceneRenderer::render(const mat4& view, const mat4& projection, const dgb_params& params) {
+void SceneRenderer::build(const SceneFrame& frame, const dgb_params& params) {
     dgb_view camera{};
-    std::copy_n(glm::value_ptr(view), 16, camera.view);
-    std::copy_n(glm::value_ptr(projection), 16, camera.projection);
+    std::copy_n(glm::value_ptr(frame.view), 16, camera.view);
+    std::copy_n(glm::value_ptr(frame.projection), 16, camera.projection);
+    camera.has_next = frame.next_view.has_value();
+    if (frame.next_view) { std::copy_n(glm::value_ptr(*frame.next_view), 16, camera.next_view); }
     const auto draw = [](void* user, const dgb_draw* what) { static_cast<SceneRenderer*>(user)->draw_layers(*what); };
     params_ = params;
     draw_counts_ = {};
     library_.complaint.clear();
+    earlier_ = submitted_;
+    submitted_ = frame.pose ? frame.pose : desc_.scene->first_pose();
+    next_ = frame.next_pose ? frame.next_pose : submitted_;
+    before_ = drawn_;
 
     if (vertex_query_.name() != 0) { glBeginQuery(GL_VERTEX_SHADER_INVOCATIONS, vertex_query_.name()); }
     const dgb_result built = dgb_build(&library_.context, &camera, &params, draw, this);
     if (vertex_query_.name() != 0) { glEndQuery(GL_VERTEX_SHADER_INVOCATIONS); }
     if (built != DGB_OK) { throw std::runtime_error(library_.complaint); }
+    view_ = to_mat4(library_.context.drawn.view);
+    projection_ = to_mat4(library_.context.drawn.projection);
+}
+
+void SceneRenderer::shade(const dgb_params& params) {
     light_layers();
     if (dgb_shade(&library_.context, &params) != DGB_OK) { throw std::runtime_error(library_.complaint); }
     composite();
     collect_gpu_times();
 }
 
-// The library's draw callback: once for all layers, or once for each.
+void SceneRenderer::render(const mat4& view, const mat4& projection, const dgb_params& params) {
+    SceneFrame frame;
+    frame.view = view;
+    frame.projection = projection;
+    build(frame, params);
+    shade(params);
+}
+
+// pose: of a dgb_draw.
+std::shared_ptr<const GpuPose> SceneRenderer::pose_to_draw(int pose) const {
+    return pose < 0 ? earlier_ : pose > 0 ? next_ : submitted_;
+}
+
+// The library's draw callback: once for all layers, or once for each. As with the cameras, what was a frame ago is what
+// was drawn then; the first frame has only itself; and the depth ahead of the layers comes after them.
 void SceneRenderer::draw_layers(const dgb_draw& draw) {
-    const GLuint program = material_program_.name();
-    view_ = to_mat4(draw.view);
-    projection_ = to_mat4(draw.projection);
+    const GLuint program = (draw.depth_only ? depth_program_ : material_program_).name();
+    const std::shared_ptr<const GpuPose> pose = pose_to_draw(draw.pose);
+    if (!draw.depth_only) { drawn_ = pose; }
+    const GpuPose& before = draw.depth_only ? *drawn_ : before_ ? *before_ : *pose;
+    const mat4 view = to_mat4(draw.view);
     glUseProgram(program);
-    set_uniform(program, "u_view", view_);
-    set_uniform(program, "u_clip", projection_ * view_);
+    set_uniform(program, "u_view", view);
+    set_uniform(program, "u_clip", to_mat4(draw.projection) * view);
     set_uniform(program, "u_previous_clip", to_mat4(draw.previous_projection) * to_mat4(draw.previous_view));
-    const DrawCounts counts = desc_.scene->draw(program, draw.instances, GpuScene::Sides::as_material);
+    const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances, GpuScene::Sides::as_material);
     draw_counts_.draw_calls += counts.draw_calls;
     draw_counts_.triangles += counts.triangles;
 }
@@ -391,7 +434,6 @@ void SceneRenderer::light_layers() {
         const GLuint program = light_program_.name();
         glUseProgram(program);
         glBindVertexArray(no_vertices_.name());
-        glViewport(0, 0, plan().width, plan().height);
         bind_layer(program, "u_depth", 0, texture(DGB_DEPTH));
         bind_layer(program, "u_albedo", 1, texture(DGB_ALBEDO));
         bind_layer(program, "u_normal", 2, texture(DGB_NORMAL));
@@ -406,8 +448,11 @@ void SceneRenderer::light_layers() {
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         for (int layer = 0; layer < plan().layers; ++layer) {
+            const int shrink = divisor(layer); // rounded up: a texel on the edge is one
             glBindFramebuffer(GL_FRAMEBUFFER, light_framebuffers_[size_t(layer)].name());
+            glViewport(0, 0, (plan().width + shrink - 1) / shrink, (plan().height + shrink - 1) / shrink);
             set_uniform(program, "u_layer", layer);
+            set_uniform(program, "u_divisor", float(shrink));
             draw_fullscreen();
         }
         glDisable(GL_BLEND);
@@ -458,23 +503,36 @@ std::optional<uint64_t> SceneRenderer::vertices_shaded() const {
     return count;
 }
 
-// From the attachment of the read framebuffer, one image large, from (x, y) on.
-std::vector<float> SceneRenderer::read_pixels(GLenum attachment, GLenum format, int x, int y) const {
-    const int width = desc_.layers.width, height = desc_.layers.height;
-    std::vector<float> pixels(size_t(width) * size_t(height) * size_t(channel_count(format)));
+// From the attachment of the read framebuffer, one image large, from the pixel (first, first) on. A lower resolution is
+// enlarged: every pixel is that of the texel it lies in.
+std::vector<float> SceneRenderer::read_pixels(GLenum attachment, GLenum format, int first, int divisor) const {
+    const int width = desc_.layers.width, height = desc_.layers.height, start = first / divisor;
+    const int columns = (first + width - 1) / divisor + 1 - start, rows = (first + height - 1) / divisor + 1 - start;
+    const size_t channels = size_t(channel_count(format));
+    std::vector<float> texels(size_t(columns) * size_t(rows) * channels);
     glReadBuffer(attachment);
-    glReadPixels(x, y, width, height, format, GL_FLOAT, pixels.data());
+    glReadPixels(start, start, columns, rows, format, GL_FLOAT, texels.data());
+    if (divisor == 1) { return texels; }
+
+    std::vector<float> pixels;
+    pixels.reserve(size_t(width) * size_t(height) * channels);
+    for (int y = first; y < first + height; ++y) {
+        for (int x = first; x < first + width; ++x) {
+            const auto texel = size_t(y / divisor - start) * size_t(columns) + size_t(x / divisor - start);
+            pixels.insert(pixels.end(), &texels[texel * channels], &texels[texel * channels] + channels);
+        }
+    }
     return pixels;
 }
 
 std::vector<float> SceneRenderer::read_picture(Picture picture) const {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, picture_framebuffer_.name());
-    return read_pixels(GLenum(GL_COLOR_ATTACHMENT0 + int(picture)), GL_RGB, 0, 0);
+    return read_pixels(GLenum(GL_COLOR_ATTACHMENT0 + int(picture)), GL_RGB, 0, 1);
 }
 
 std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum format) const {
     const bool is_depth = slot == DGB_DEPTH;
-    const bool has_layers = slot <= DGB_ORACLE; // arrays come first among the slots
+    const bool has_layers = slot <= DGB_KEY; // arrays come first among the slots
     const GLenum attachment = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
     const int guard = desc_.layers.guard_band;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, read_framebuffer_.name());
@@ -485,7 +543,7 @@ std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum 
     } else {
         glFramebufferTexture2D(GL_READ_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture(slot), 0);
     }
-    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, guard);
+    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, divisor(layer));
 }
 
 std::vector<float> SceneRenderer::read_linear_depth(int layer) const {

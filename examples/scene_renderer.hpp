@@ -7,7 +7,9 @@
 #include "deepgbuffer.h"
 #include "deepgbuffer_gl.h"
 
+#include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +53,12 @@ struct RendererDesc { // what the pointers point to must outlive the renderer
     PassTimes* times = nullptr;
 };
 
+struct SceneFrame {
+    glm::mat4 view{1.0f}, projection{1.0f};         // the projection is that of the image without guard band
+    std::optional<glm::mat4> next_view;             // of the next frame, where it is known
+    std::shared_ptr<const GpuPose> pose, next_pose; // none: that of the scene; none: the same as `pose`
+};
+
 class SceneRenderer {
 public:
     // Throws std::runtime_error when the device cannot do what desc asks for.
@@ -58,8 +66,14 @@ public:
     SceneRenderer(const SceneRenderer&) = delete;
     SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-    // One frame. The projection is that of the image without guard band.
+    // One frame, in two halves. The shadow map must show the pose drawn by the time of the second.
+    void build(const SceneFrame& frame, const dgb_params& params);
+    void shade(const dgb_params& params);
+    // Both, for a scene in which nothing moves.
     void render(const glm::mat4& view, const glm::mat4& projection, const dgb_params& params);
+
+    // What the layers show: the pose of the frame, but for DGB_ORACLE_DELAY, which shows the one before.
+    const GpuPose& drawn_pose() const { return *drawn_; }
 
     const dgb_plan& plan() const { return library_.context.plan; }
 
@@ -70,7 +84,7 @@ public:
     // All pictures are of the last frame, without guard band, bottom row first.
     enum class Picture { final, direct, indirect }; // linear RGB; direct holds emission and the sky's pixels
     std::vector<float> read_picture(Picture picture) const;
-    // format: GL_RED, GL_RGB or GL_RGBA. layer is 0 for textures without layers.
+    // format: GL_RED, GL_RGB or GL_RGBA. layer is 0 for textures without layers. A layer of lower resolution is enlarged.
     std::vector<float> read_texture(dgb_slot slot, int layer, GLenum format) const;
     // Camera z in metres, 0 where empty: what the shading read, strict separation included.
     std::vector<float> read_z(int layer) const;
@@ -99,6 +113,8 @@ private:
     void init_library();
     void make_programs();
     void make_targets();
+    GlObject make_layers_program(const char* what, const char* fragment) const;
+    std::shared_ptr<const GpuPose> pose_to_draw(int pose) const;
     void draw_layers(const dgb_draw& draw);
     void light_layers();
     void copy_emission();
@@ -108,20 +124,24 @@ private:
     float empty_depth() const { return desc_.layers.reversed ? 0.0f : 1.0f; }
     bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
     GLuint texture(dgb_slot slot) const;
+    int divisor(int layer) const { return layer > 0 ? std::max(desc_.layers.divisor, 1) : 1; }
     std::vector<float> read_linear_depth(int layer) const;
-    std::vector<float> read_pixels(GLenum attachment, GLenum format, int x, int y) const;
+    std::vector<float> read_pixels(GLenum attachment, GLenum format, int first, int divisor) const;
 
     RendererDesc desc_;
     Library library_;
 
-    GlObject material_program_, light_program_, composite_program_;
+    GlObject material_program_, depth_program_; // the second keeps no color
+    GlObject light_program_, composite_program_;
     GlObject no_vertices_;                     // full-screen passes need a vertex array, an empty one
     GlObject direct_;                          // emission + direct light of layer 0, guard band included
     std::vector<GlObject> light_framebuffers_; // one a layer
     GlObject pictures_[3], picture_framebuffer_, read_framebuffer_;
     GlObject vertex_query_; // none where the driver lacks pipeline statistics
 
-    glm::mat4 view_{1.0f}, projection_{1.0f}; // of the last frame; the projection with guard band
+    glm::mat4 view_{1.0f}, projection_{1.0f};       // of what was drawn last; the projection with guard band
+    std::shared_ptr<const GpuPose> drawn_, before_; // what was drawn last, and the time before
+    std::shared_ptr<const GpuPose> earlier_, submitted_, next_; // of the frame before, of this one, of the next
     dgb_params params_{};
     DrawCounts draw_counts_;
 };

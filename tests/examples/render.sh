@@ -25,7 +25,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 # >> help and plan need no GPU
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
-         camera sun sky ortho exposure profile frames orbit clip dump json plan help'
+         camera sun sky ortho exposure profile frames orbit clip dump json plan help divisor time fps'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -55,6 +55,13 @@ check "its bytes add up"                     plan_adds_up
 check "--plan of the widest picture"         plan --size 16384x16 --guard 0
 check "its bytes add up"                     plan_adds_up
 
+check "--plan of PREDICT and image emission"  plan --oracle predict --emit image --layers 4 --size 160x90
+check "it names their passes and textures"   plan_names predict image resolve key predicted
+check "its bytes add up"                     plan_adds_up
+check "--plan of DELAY and multicast"        plan --oracle delay --emit multicast --layers 8
+check "it has no key to resolve"             plan_lacks resolve key
+check "its bytes add up"                     plan_adds_up
+
 # >> refusals: exit status 2, one line on the standard error output, nothing written
 
 # refuses ARGUMENT...: runs in an empty directory, which must stay empty
@@ -81,7 +88,8 @@ refused_values --guard       -1 99999 1.5 many ''
 refused_values --layers      0 9 -2 two 1.5
 refused_values --separation  -1 nan inf 1e99 wide ''
 refused_values --oracle      default PEEL 1 ''
-refused_values --emit        all 0 ''
+refused_values --emit        all 0 instanced ''
+refused_values --divisor     0 3 8 -2 1.5 half ''
 refused_values --effects     ssr ao,, ao,none , ''
 refused_values --preset      fast 2 ''
 refused_values --samples     0 257 -1 8x
@@ -96,6 +104,8 @@ refused_values --ortho       0 -1 nan inf
 refused_values --exposure    nan 31 bright
 refused_values --frames      0 -1 1.5 few
 refused_values --orbit       nan 361 left
+refused_values --time        -1 nan inf soon ''
+refused_values --fps         0 -1 nan inf fast ''
 refused_values --clip        forward 0 ''
 refused_values --dump        z0 z0= =z0.pfm z2=z2.pfm
 refused --no-such-option
@@ -105,6 +115,10 @@ refused one.gltf two.gltf
 refused --size 1000x1000 --guard 16000
 refused --oracle peel --emit vertex
 refused --oracle peel --emit geometry
+refused --oracle peel --emit instanced-geometry
+refused --oracle peel --emit image
+refused --emit image --divisor 2
+refused --emit multicast --divisor 4
 check "refused: layer 1 of one layer" refuses --layers 1
 refused --effects ao --dump irradiance0=e.pfm
 refused --effects gi --dump ao=ao.pfm
@@ -145,6 +159,88 @@ printf ''                                               >scenes/empty.gltf
 printf 'glTF\002\000\000\000\377\000\000\000'           >scenes/truncated.glb
 printf 'glTF\002\000\000\000\014\000\000\000'           >scenes/no_chunk.glb
 printf 'no scene at all'                                >scenes/text.glb
+
+# floats NUMBER...: writes each as 4 bytes, the lowest first
+floats() {
+    # shellcheck disable=SC2059 # awk writes the format
+    printf "$(printf '%s\n' "$@" | awk '
+        $1 == "nan" { printf "\\000\\000\\300\\177"; next }
+        { x = $1 < 0 ? -$1 : $1; e = 127
+          while (x >= 2) { x /= 2; ++e }
+          while (x < 1 && x > 0) { x *= 2; --e }
+          b = x > 0 ? ($1 < 0) * 2^31 + e * 2^23 + int((x - 1) * 2^23 + 0.5) : 0
+          for (i = 0; i < 4; ++i) { printf "\\%03o", b % 256; b = int(b / 256) } }')"
+}
+
+# A strip that two joints bend, the upper one animated, in front of one that no joint bends.
+# skinned NAME=VALUE...: what is other than below
+skinned() (
+    weight=0.5 joint=001 bind=1 binds=2 joints='1, 2' skin=0 weights_type=5126 joints_type=5121 # in the skin
+    times='0 1' interpolation=LINEAR sampler=0 target=2 path=rotation place='"translation": [0, 1, 0]'
+    values='0 0 0 1  0 0 0.7071 0.7071' values_type=VEC4 keys=2 values_count=2
+    for change in "$@"; do export "${change?}"; done
+    # shellcheck disable=SC2059,SC2086 # formats, lists
+    {
+        floats -0.5 0 0  0.5 0 0  -0.5 1 0  0.5 1 0  -0.5 2 0  0.5 2 0
+        floats 1 0 0 0  1 0 0 0  $weight 0.5 0 0  $weight 0.5 0 0  0 1 0 0  0 1 0 0
+        floats $bind 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1  1 0 0 0 0 1 0 0 0 0 1 0 0 -1 0 1
+        printf '\000\001\002\002\001\003\002\003\004\004\003\005'
+        printf "\\000\\$joint\\000\\000%.0s" 1 2 3 4 5 6
+        floats $times
+        floats $values
+    } >skin.bin
+    size=$(wc -c <skin.bin)
+    cat <<END
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 3]}],
+ "nodes": [{"mesh": 0, "skin": $skin}, {"children": [2]}, {$place}, {"mesh": 0, "translation": [0.3, 0, -1]}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "WEIGHTS_0": 1, "JOINTS_0": 4}, "indices": 3, "material": 0}]}],
+ "materials": [{"doubleSided": true, "pbrMetallicRoughness": {"metallicFactor": 0}}],
+ "skins": [{"inverseBindMatrices": 2, "joints": [$joints]}],
+ "animations": [{"samplers": [{"input": 5, "output": 6, "interpolation": "$interpolation"}],
+                 "channels": [{"sampler": $sampler, "target": {"node": $target, "path": "$path"}}]}],
+ "accessors": [{"bufferView": 0, "byteOffset": 0, "componentType": 5126, "count": 6, "type": "VEC3",
+                "min": [-0.5, 0, 0], "max": [0.5, 2, 0]},
+               {"bufferView": 0, "byteOffset": 72, "componentType": $weights_type, "count": 6, "type": "VEC4"},
+               {"bufferView": 0, "byteOffset": 168, "componentType": 5126, "count": $binds, "type": "MAT4"},
+               {"bufferView": 0, "byteOffset": 296, "componentType": 5121, "count": 12, "type": "SCALAR"},
+               {"bufferView": 0, "byteOffset": 308, "componentType": $joints_type, "count": 6, "type": "VEC4"},
+               {"bufferView": 0, "byteOffset": 332, "componentType": 5126, "count": $keys, "type": "SCALAR"},
+               {"bufferView": 0, "byteOffset": 340, "componentType": 5126, "count": $values_count, "type": "$values_type"}],
+ "bufferViews": [{"buffer": 0, "byteLength": $size}],
+ "buffers": [{"byteLength": $size, "uri": "data:application/octet-stream;base64,$(base64 <skin.bin | tr -d '\n')"}]}
+END
+)
+
+bad_skin() { file=$1 && shift && skinned "$@" >"scenes/skin_$file.gltf"; }
+bad_skin joint_out_of_range      joint=002
+bad_skin joint_far_out_of_range  joint=377
+bad_skin joint_type              joints_type=5126
+bad_skin negative_weight         weight=-0.5
+bad_skin weight_not_finite       weight=nan
+bad_skin weights_out_of_range    weights_type=9
+bad_skin bind_not_finite         bind=nan
+bad_skin too_few_binds           binds=1
+bad_skin too_many_binds          binds=9
+bad_skin no_joints               joints=
+bad_skin joint_without_node      joints='1, 9'
+bad_skin joint_negative          joints='1, -1'
+bad_skin no_such_skin            skin=1
+bad_skin times_decrease          times='1 0'
+bad_skin times_equal             times='1 1'
+bad_skin time_negative           times='-1 1'
+bad_skin time_not_finite         times='0 nan'
+bad_skin no_times                keys=0
+bad_skin too_many_times          keys=99
+bad_skin value_not_finite        values='0 0 0 1  0 0 nan 1'
+bad_skin too_few_values          values_count=1
+bad_skin too_many_values         values_count=99
+bad_skin rotation_of_three       values_type=VEC3
+bad_skin scale_of_four           path=scale
+bad_skin cubic_without_tangents  interpolation=CUBICSPLINE
+bad_skin interpolation           interpolation=WAVE
+bad_skin no_such_sampler         sampler=1
+bad_skin no_such_target          target=9
+bad_skin target_has_matrix       place='"matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1]'
 
 renders() { "$render" "$1" --size 32x32 --guard 0 --frames 1 --out good && [ -s good/final.png ]; }
 
@@ -321,6 +417,90 @@ check "--exposure 1, another picture"          another --exposure 1
 check "--orbit 5, another picture"             another --orbit 5
 check "--ortho 8, another picture"             another --ortho 8
 check "--guard 0, another picture"             another --guard 0
+
+check "--oracle predict, the same picture"     same --oracle predict
+check "--oracle delay, the same picture"       same --oracle delay
+check "--emit image, the same picture"         same --emit image
+check "--oracle predict --emit image"          same --oracle predict --emit image --layers 4
+check "--layers 8, the same picture"           same --layers 8 --oracle delay
+check "--emit instanced-geometry renders"      hash_of --emit instanced-geometry
+check "--time without animation"               same --time 3.7 --fps 11
+for divisor in 2 4; do
+    check "--divisor $divisor, another picture" another --divisor $divisor
+    check "--divisor $divisor with PEEL"        another --divisor $divisor --oracle peel
+    check "--divisor $divisor with an odd size" hash_of --divisor $divisor --guard 3 --layers 3
+done
+check "--divisor 1, the same picture"          same --divisor 1
+
+# Where the driver lacks it, one sentence; elsewhere it renders.
+multicast() { refuses --emit multicast || hash_of --emit multicast; }
+check "--emit multicast renders or is refused" multicast
+
+# A layer of lower resolution is enlarged: every texel is a square of equal pixels.
+squares_of() { # DIVISOR
+    $small --guard 0 --divisor "$1" --effects none --dump radiance1=radiance1.pfm >/dev/null || return 1
+    pixels radiance1 | awk -v d="$1" '
+        { x = (NR - 1) % 160; y = int((NR - 1) / 160); at = int(x / d) " " int(y / d)
+          if ($0 == "0 0 0") next # empty, or too near the first layer, which is not enlarged
+          ++lit
+          if (at in seen && seen[at] != $0) { if (!bad++) print "first:", x, y }
+          seen[at] = $0 }
+        END { print bad + 0, "of", lit + 0, "differ"; exit !(NR == 14400 && lit > 1000 && !bad) }'
+}
+check "--divisor 2 has squares of 2 pixels"    squares_of 2
+check "--divisor 4 has squares of 4 pixels"    squares_of 4
+
+# >> animation
+
+mkdir moving
+skinned                                                                   >moving/linear.gltf
+skinned interpolation=STEP                                                >moving/step.gltf
+skinned interpolation=CUBICSPLINE values_count=6 \
+    values='0 0 0 0  0 0 0 1  0 0 0 0  0 0 0 0  0 0 0.7071 0.7071  0 0 0 0' >moving/cubic.gltf
+skinned path=translation values='0 1 0  0.5 1 0' values_type=VEC3         >moving/translation.gltf
+skinned path=scale values='1 1 1  2 2 2' values_type=VEC3                 >moving/scale.gltf
+skinned path=translation target=3 values='0.3 0 -1  0.9 0 -1' values_type=VEC3 >moving/rigid.gltf
+skinned values='0 0 0 1  0 0 0 1'                                         >moving/still.gltf
+
+# moved SCENE FRAMES OPTION...: the hash of the last frame, and a sum of its second layer
+moved() {
+    scene=$1 frames=$2
+    shift 2
+    rm -f hash.json
+    "$render" "moving/$scene.gltf" --size 96x64 --camera 0.5,1,5,0,1,0,45 --frames "$frames" "$@" \
+        --json hash.json --dump z1=moved.pfm >/dev/null &&
+        sed -n 's/.*"hash": "\([0-9a-f]\{16\}\)".*/\1/p' hash.json && cksum <moved.pfm
+}
+# Each takes two lists of arguments of `moved`.
+# shellcheck disable=SC2086 # lists of words
+alike()  { a=$(moved $1) b=$(moved $2) && echo "$a $b" && [ -n "$a" ] && [ "$a" = "$b" ]; }
+# shellcheck disable=SC2086
+differ() { a=$(moved $1) b=$(moved $2) && echo "$a $b" && [ -n "$a" ] && [ -n "$b" ] && [ "$a" != "$b" ]; }
+
+for scene in linear cubic translation scale rigid; do
+    check "$scene: time moves it"      differ "$scene 1" "$scene 1 --time 0.25"
+done
+check "an animation repeats"           alike "linear 1 --time 0.25" "linear 1 --time 2.25"
+for scene in linear rigid; do
+    turning="--time 0.25 --fps 4 --orbit 2" # the last frame begins the next round
+    check "$scene: frames take time"   alike "$scene 1 --time 0.5" "$scene 2 --time 0.25 --fps 4 --oracle peel"
+    check "$scene: PREDICT is exact"   alike "$scene 4 $turning --oracle peel" "$scene 4 $turning --oracle predict"
+    check "$scene: DELAY is exact"     alike "$scene 3 $turning --oracle peel" "$scene 4 $turning --oracle delay"
+    check "$scene: PREVIOUS is not"    differ "$scene 4 $turning --oracle peel" "$scene 4 $turning --oracle previous"
+done
+# With level tangents, a quarter of the time is 3/16 - 2/64 of the way.
+eased() {
+    skinned path=translation target=3 values_type=VEC3 values='0 0 -1  0 0 1' >moving/even.gltf
+    skinned path=translation target=3 values_type=VEC3 interpolation=CUBICSPLINE values_count=6 \
+        values='0 0 0  0 0 -1  0 0 0  0 0 0  0 0 1  0 0 0' >moving/eased.gltf
+    moved even 1 --time 0.15625 --dump z0=z0.pfm && pixels z0 >even.text &&
+        moved eased 1 --time 0.25 --dump z0=z0.pfm && pixels z0 | paste -d ' ' even.text - | awk '
+            $1 < 0 { ++filled; error = $1 - $2; if (error < 0) error = -error; if (error > 1e-3) ++bad }
+            END { print bad + 0, "of", filled + 0, "differ"; exit !(NR == 6144 && filled > 300 && !bad) }'
+}
+check "STEP holds its value"           alike "step 1" "step 1 --time 0.75"
+check "a cubic curve eases in and out" eased
+check "nothing moves at rest"          alike "still 1" "still 3 --time 0.4"
 
 # The depth convention changes rounding, no more: few pixels' z differs by more than a hundredth.
 clip_is() {
