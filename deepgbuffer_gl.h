@@ -141,6 +141,7 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, FramebufferTextureLayer, (unsigned int, unsigned int, unsigned int, int, int))                     \
     X(unsigned int, CheckFramebufferStatus, (unsigned int))                                                    \
     X(void, DrawBuffers, (int, const unsigned int*))                                                           \
+    X(void, ReadBuffer, (unsigned int))                                                                        \
     X(void, ClearBufferfv, (unsigned int, int, const float*))                                                  \
     X(void, GenVertexArrays, (int, unsigned int*))                                                             \
     X(void, DeleteVertexArrays, (int, const unsigned int*))                                                    \
@@ -577,8 +578,27 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#endif\n"
     "}\n"
     "\n"
+    "// What is in the targets of a material that never calls dgb_store.\n"
+    "void dgb_store_nothing() {\n"
+    "#ifdef DGB_ALBEDO_LOCATION\n"
+    "    dgb_out_albedo = vec4(0.0);\n"
+    "#endif\n"
+    "#ifdef DGB_NORMAL_LOCATION\n"
+    "    dgb_out_normal = vec4(0.0);\n"
+    "#endif\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "    dgb_out_radiance = vec4(0.0);\n"
+    "#endif\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "    dgb_out_velocity = vec4(0.0);\n"
+    "#endif\n"
+    "}\n"
+    "\n"
     "// Whether to go on with this fragment. The first layer keeps all.\n"
-    "bool dgb_keep() { return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer); }\n"
+    "bool dgb_keep() {\n"
+    "    dgb_store_nothing();\n"
+    "    return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer);\n"
+    "}\n"
     "\n"
     "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
     "\n"
@@ -607,7 +627,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "layout(rgba8) writeonly uniform image2DArray dgb_image_albedo;\n"
     "#endif\n"
-    "#ifdef DGB_NORMAL_LOCATION\n"
+    "#ifdef DGB_NORMAL_LOCATION\n",
     "layout(rgba8) writeonly uniform image2DArray dgb_image_normal;\n"
     "#endif\n"
     "#ifdef DGB_RADIANCE_LOCATION\n"
@@ -620,7 +640,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "layout(pixel_interlock_ordered) in;\n"
     "#endif\n"
     "\n"
-    "void dgb_compete(int layer) {\n",
+    "void dgb_compete(int layer) {\n"
     "    ivec3 texel = ivec3(ivec2(gl_FragCoord.xy), layer);\n"
     "    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w)); // positive floats sort as integers\n"
     "    uint  nearest = imageLoad(dgb_image_key, texel - ivec3(0, 0, 1)).x;\n"
@@ -1289,7 +1309,7 @@ static void dgbgli_put_chunks(dgbgli_text* t, const char* const* chunks) {
 
 static void dgbgli_put_version(dgbgli_text* t, int version, bool es) {
     dgbgli_put(t, "#version ");
-    dgbgli_put_int(t, es ? 300 : version >= 430 ? 430 : version >= 410 ? 410 : 330);
+    dgbgli_put_int(t, es ? 300 : version >= 450 ? 450 : version >= 430 ? 430 : version >= 410 ? 410 : 330);
     dgbgli_put(t, es ? " es\n" : " core\n");
 }
 
@@ -1861,15 +1881,22 @@ static bool dgbgli_same_targets(const dgb_target* a, const dgb_target* b, int co
     return true;
 }
 
-static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
+/* Draw and read buffers belong to the framebuffer: an engine's callback may have changed those of the last pass. */
+static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
                                                           DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
+    b->gl.DrawBuffers(pass->color_count, buffers);
+    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
+}
+
+static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
     int c;
     b->gl.GenFramebuffers(1, &b->framebuffers[i].name);
     b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
-    for (c = 0; c < pass->color_count; ++c) dgbgli_attach(b, buffers[c], &pass->colors[c]);
+    for (c = 0; c < pass->color_count; ++c)
+        dgbgli_attach(b, (unsigned)(DGBGLI_COLOR_ATTACHMENT0 + c), &pass->colors[c]);
     if (pass->depth.texture.id) dgbgli_attach(b, DGBGLI_DEPTH_ATTACHMENT, &pass->depth);
-    b->gl.DrawBuffers(pass->color_count, buffers);
+    dgbgli_set_buffers(b, pass);
     if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE)
         dgbgli_message(b, dgb_pass_name(pass->id), "the driver cannot render to this combination of formats");
     dgbgli_label(b, DGBGLI_FRAMEBUFFER, b->framebuffers[i].name, dgb_pass_name(pass->id));
@@ -1884,6 +1911,7 @@ static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
         if (b->framebuffers[i].name && b->framebuffers[i].count == count &&
             dgbgli_same_targets(b->framebuffers[i].targets, targets, count)) {
             b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
+            dgbgli_set_buffers(b, pass);
             return;
         }
     i = b->next_framebuffer;
@@ -2128,7 +2156,7 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
     const bool geometry = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
     b->images = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
-    b->interlock = b->images && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
+    b->interlock = b->images && b->version >= 450 && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
     caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
     caps->max_layers = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
     caps->clip_zero_to_one = b->gl.ClipControl != NULL;

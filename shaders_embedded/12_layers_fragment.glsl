@@ -53,8 +53,27 @@ bool dgb_kept_in(int layer) {
 #endif
 }
 
+// What is in the targets of a material that never calls dgb_store.
+void dgb_store_nothing() {
+#ifdef DGB_ALBEDO_LOCATION
+    dgb_out_albedo = vec4(0.0);
+#endif
+#ifdef DGB_NORMAL_LOCATION
+    dgb_out_normal = vec4(0.0);
+#endif
+#ifdef DGB_RADIANCE_LOCATION
+    dgb_out_radiance = vec4(0.0);
+#endif
+#ifdef DGB_VELOCITY_LOCATION
+    dgb_out_velocity = vec4(0.0);
+#endif
+}
+
 // Whether to go on with this fragment. The first layer keeps all.
-bool dgb_keep() { return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer); }
+bool dgb_keep() {
+    dgb_store_nothing();
+    return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer);
+}
 
 float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }
 
