@@ -99,8 +99,8 @@ check-gl: gl-tests ## the tests of the OpenGL backend
 
 examples: $(examples) ## build every example
 
-bench: $(benchmarks) ## build and run the benchmarks
-	@set -e; for program in $^; do $$program; done
+bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
+	@set -e; for program in $^; do $$program --quick $(SCENES); done
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))

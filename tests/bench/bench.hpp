@@ -5,11 +5,6 @@
 #include "render_camera.hpp"
 #include "scene_gpu.hpp"
 
-#include "deepgbuffer.h"
-#include "deepgbuffer_gl.h"
-
-#include <glm/gtc/type_ptr.hpp>
-
 #include <malloc.h>
 #include <sys/stat.h>
 
@@ -79,101 +74,23 @@ inline View load_view(const std::string& argument) {
 }
 
 struct Motion {
-    float metres;  // that the eye moves in a frame
-    float degrees; // that it turns in a frame, root mean square
+    float metres;  // that the eye moves in a frame, root mean square
+    float degrees; // that it turns in a frame, likewise
+    bool sideways; // instead of ahead: the worst case, where what is near moves most against what is far
 };
 
-// The eye walks around a circle while its gaze swings to and fro, each in 48 frames: steps of one length in every
-// direction, that never go on quite as before, and that do not leave the scene.
+// The eye walks to and fro and its gaze swings, at rates that do not go together: every mixture of the two occurs, no step
+// goes on quite as the one before, and the eye stays near where it began.
 inline RenderCamera moved(RenderCamera camera, Motion motion, int frame) {
-    constexpr float kFrames = 48.0f, kTurn = 2.0f * glm::pi<float>() / kFrames; // radians of the circle a frame
-    const float t = kTurn * float(frame);
+    constexpr float kTurn = 2.0f * glm::pi<float>(), kWalk = kTurn / 24.0f, kSwing = kTurn / 34.0f; // radians a frame
     const glm::vec3 forward = camera.target - camera.eye;
     const glm::vec3 ahead = glm::normalize(forward), right = glm::normalize(glm::cross(forward, camera.up));
-    const float radius = motion.metres / kTurn;
-    const float swing = glm::radians(motion.degrees) * glm::root_two<float>() / kTurn;
-    const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), swing * std::sin(t), camera.up));
-    camera.eye += radius * (right * (1.0f - std::cos(t)) + ahead * std::sin(t));
-    camera.target = camera.eye + turn * forward;
+    const float walked = glm::root_two<float>() * motion.metres / kWalk * std::sin(kWalk * float(frame));
+    const float swung =
+        glm::root_two<float>() * glm::radians(motion.degrees) / kSwing * std::sin(kSwing * float(frame));
+    camera.eye += walked * (motion.sideways ? right : ahead);
+    camera.target = camera.eye + glm::mat3(glm::rotate(glm::mat4(1.0f), swung, camera.up)) * forward;
     return camera;
-}
-
-inline dgb_view to_dgb_view(const RenderCamera& camera) {
-    dgb_view view{};
-    const glm::mat4 matrix = view_matrix(camera), projection = projection_matrix(camera, kAspect, ClipRange::standard);
-    std::copy_n(glm::value_ptr(matrix), 16, view.view);
-    std::copy_n(glm::value_ptr(projection), 16, view.projection);
-    return view;
-}
-
-// ---- Library --------------------------------------------------------------------------------------------
-
-// A backend and a context. Neither may move: the context points to the backend, both point to `complaint`.
-class Library {
-public:
-    explicit Library(dgb_desc desc) {
-        dgbgl_desc gl_desc{};
-        gl_desc.get_proc = headless_get_proc;
-        gl_desc.no_timers = true; // a timer query may make a tiler flush
-        gl_desc.message = [](void* user, const char* text) { static_cast<std::string*>(user)->append(text); };
-        gl_desc.message_user = &complaint_;
-        check(dgbgl_init(&gl_, &gl_desc));
-        desc.backend = &gl_.backend;
-        desc.log = [](void* user, dgb_result, dgb_log_item, const char* sentence) {
-            static_cast<std::string*>(user)->append(sentence);
-        };
-        desc.log_user = &complaint_;
-        check(dgb_init(&context_, &desc));
-    }
-    Library(const Library&) = delete;
-    Library& operator=(const Library&) = delete;
-    ~Library() {
-        dgb_shutdown(&context_);
-        dgbgl_shutdown(&gl_);
-    }
-
-    const dgb_context* context() const { return &context_; }
-    GLuint texture(dgb_slot slot) const { return dgbgl_texture_name(dgb_get_texture(&context_, slot)); }
-
-    void build(const dgb_view& view, const dgb_params& params, dgb_draw_fn draw, void* user) {
-        check(dgb_build(&context_, &view, &params, draw, user));
-    }
-    void shade(const dgb_params& params) { check(dgb_shade(&context_, &params)); }
-
-private:
-    void check(dgb_result result) const {
-        if (result != DGB_OK) { throw std::runtime_error(std::string(dgb_result_name(result)) + ": " + complaint_); }
-    }
-
-    std::string complaint_;
-    dgbgl_backend gl_{};
-    dgb_context context_{};
-};
-
-// Calls a function that writes text as snprintf does: once for the length, once for the text.
-template <typename Write> std::string text_of(Write write) {
-    std::string text(write(nullptr, size_t{0}), '\0');
-    write(text.data(), text.size() + 1);
-    return text;
-}
-
-// A material program for the layers of a context.
-inline GlObject make_material_program(const dgb_context* context, const std::vector<dgbgl_varying>& varyings,
-                                      const std::string& vertex, const std::string& fragment) {
-    const int count = int(varyings.size());
-    const auto prefix = [&](dgbgl_stage stage) {
-        return text_of([&](char* text, size_t size) {
-            return dgbgl_shader_prefix(context, stage, varyings.data(), count, text, size);
-        });
-    };
-    const std::string geometry = text_of(
-        [&](char* text, size_t size) { return dgbgl_geometry_shader(context, varyings.data(), count, text, size); });
-    GlObject program =
-        make_program("material", prefix(DGBGL_VERTEX) + vertex, geometry, prefix(DGBGL_FRAGMENT) + fragment);
-    if (dgbgl_attach_program(context, program.name()) != DGB_OK) {
-        throw std::runtime_error("the material program lacks the library's text");
-    }
-    return program;
 }
 
 // ---- Program --------------------------------------------------------------------------------------------
