@@ -89,7 +89,8 @@
                                       rasteriser known to run them in order. No early depth test for layer 0.
                   MULTICAST           NVIDIA's viewport multicast behind a pass-through geometry shader. Validated by a
                                       compiler, never run by the authors.
-                  AUTO picks by capability and says in the plan what it picked. dgbgl_calibrate picks by measuring your scene.
+                  AUTO picks by capability, on a software rasteriser by what was measured there (IMAGE), and says in
+                  the plan what it picked. dgbgl_calibrate picks by measuring your scene on your device.
        divisor    resolution of the layers behind the first: 1, 1/2 or 1/4 in each direction.
        The first frame, and the frame after a cut or a resize, is always built by peeling, so no layer is ever unfilled.
        While nothing moves every oracle gives what PEEL gives, bit for bit, by every emission that does not clip (GEOMETRY,
@@ -285,10 +286,11 @@ typedef enum dgb_oracle {
 } dgb_oracle;
 
 typedef enum dgb_emission {
-    DGB_EMISSION_AUTO = 0, /* SEPARATE for PEEL or one layer; else VERTEX, GEOMETRY, SEPARATE: the first there is */
-    DGB_EMISSION_SEPARATE, /* one draw callback a layer */
-    DGB_EMISSION_GEOMETRY, /* one draw callback; a geometry shader emits every triangle to every layer */
-    DGB_EMISSION_VERTEX,   /* one draw callback; instances times layers, the vertex shader picks the layer */
+    DGB_EMISSION_AUTO =
+        0, /* SEPARATE for PEEL or one layer; else caps.preferred, VERTEX, GEOMETRY, SEPARATE: the first there is */
+    DGB_EMISSION_SEPARATE,           /* one draw callback a layer */
+    DGB_EMISSION_GEOMETRY,           /* one draw callback; a geometry shader emits every triangle to every layer */
+    DGB_EMISSION_VERTEX,             /* one draw callback; instances times layers, the vertex shader picks the layer */
     DGB_EMISSION_INSTANCED_GEOMETRY, /* one draw callback; one geometry-shader invocation a layer */
     DGB_EMISSION_IMAGE,     /* one draw callback, one rasterisation: deeper layers by compare and store in images */
     DGB_EMISSION_MULTICAST, /* one draw callback; NVIDIA's pass-through geometry shader and viewport multicast */
@@ -540,6 +542,7 @@ typedef struct dgb_caps {
     int max_layers;                    /* largest array texture */
     bool clip_zero_to_one;             /* can set DGB_CLIP_ZERO_TO_ONE */
     bool deep_viewport;                /* can give deeper layers another viewport, of a fractional size */
+    dgb_emission preferred;            /* that AUTO takes where the desc allows it; AUTO: no preference */
     bool emission[DGB_EMISSION_COUNT]; /* which emissions work; SEPARATE always must */
 } dgb_caps;
 
@@ -1336,6 +1339,9 @@ static dgb_log_item dgbi_check_caps(const dgb_desc* d) {
 static dgb_emission dgbi_choose_emission(const dgb_desc* d) {
     if (d->oracle == DGB_ORACLE_PEEL || d->layers == 1) return DGB_EMISSION_SEPARATE;
     if (d->emission) return d->emission;
+    if (d->backend && d->backend->caps.preferred &&
+        !(d->backend->caps.preferred == DGB_EMISSION_IMAGE && d->divisor > 1))
+        return d->backend->caps.preferred;
     if (!d->backend || d->backend->caps.emission[DGB_EMISSION_VERTEX]) return DGB_EMISSION_VERTEX;
     return d->backend->caps.emission[DGB_EMISSION_GEOMETRY] ? DGB_EMISSION_GEOMETRY : DGB_EMISSION_SEPARATE;
 }

@@ -594,10 +594,13 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#endif\n"
     "}\n"
     "\n"
-    "// Whether to go on with this fragment. The first layer keeps all.\n"
+    "// Whether to go on with this fragment. The first layer keeps all; what the second would say is remembered, for image emission.\n"
+    "bool dgb_kept_second = false;\n"
+    "\n"
     "bool dgb_keep() {\n"
     "    dgb_store_nothing();\n"
-    "    return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer);\n"
+    "    dgb_kept_second = dgb_kept_in(max(dgb_v_layer, 1));\n"
+    "    return dgb_v_layer == 0 || dgb_kept_second;\n"
     "}\n"
     "\n"
     "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
@@ -622,12 +625,12 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "#if DGB_EMISSION_IMAGE\n"
     "// Image emission: the pipeline rasterises the first layer only; a fragment that a deeper layer would keep competes for it here,\n"
-    "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n"
+    "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n",
     "layout(r32ui) coherent uniform uimage2DArray dgb_image_key;\n"
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "layout(rgba8) writeonly uniform image2DArray dgb_image_albedo;\n"
     "#endif\n"
-    "#ifdef DGB_NORMAL_LOCATION\n",
+    "#ifdef DGB_NORMAL_LOCATION\n"
     "layout(rgba8) writeonly uniform image2DArray dgb_image_normal;\n"
     "#endif\n"
     "#ifdef DGB_RADIANCE_LOCATION\n"
@@ -667,8 +670,9 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#if DGB_INTERLOCK\n"
     "    beginInvocationInterlockARB();\n"
     "#endif\n"
-    "    for (int layer = 1; layer < dgb_draw_layer.y; ++layer)\n"
-    "        if (dgb_kept_in(layer)) dgb_compete(layer);\n"
+    "    if (dgb_draw_layer.y > 1 && dgb_kept_second) dgb_compete(1);\n"
+    "    for (int layer = 2; layer < DGB_LAYERS; ++layer) // a constant bound: it unrolls\n"
+    "        if (layer < dgb_draw_layer.y && dgb_kept_in(layer)) dgb_compete(layer);\n"
     "#if DGB_INTERLOCK\n"
     "    endInvocationInterlockARB();\n"
     "#endif\n"
@@ -2166,6 +2170,8 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     caps->emission[DGB_EMISSION_VERTEX] = single_pass && b->layer_extension;
     caps->emission[DGB_EMISSION_INSTANCED_GEOMETRY] = geometry && b->version >= 410;
     caps->emission[DGB_EMISSION_IMAGE] = single_pass && b->images && (b->interlock || dgbgli_in_order(b));
+    /* in order means a software rasteriser, and there images were the fastest in every scene measured */
+    if (caps->emission[DGB_EMISSION_IMAGE] && dgbgli_in_order(b)) caps->preferred = DGB_EMISSION_IMAGE;
     caps->emission[DGB_EMISSION_MULTICAST] = single_pass && b->version >= 430 &&
                                              dgbgli_has_extension(b, "GL_NV_viewport_array2") &&
                                              dgbgli_has_extension(b, "GL_NV_geometry_shader_passthrough");

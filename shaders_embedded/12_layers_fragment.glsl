@@ -69,10 +69,13 @@ void dgb_store_nothing() {
 #endif
 }
 
-// Whether to go on with this fragment. The first layer keeps all.
+// Whether to go on with this fragment. The first layer keeps all; what the second would say is remembered, for image emission.
+bool dgb_kept_second = false;
+
 bool dgb_keep() {
     dgb_store_nothing();
-    return dgb_v_layer == 0 || dgb_kept_in(dgb_v_layer);
+    dgb_kept_second = dgb_kept_in(max(dgb_v_layer, 1));
+    return dgb_v_layer == 0 || dgb_kept_second;
 }
 
 float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }
@@ -142,8 +145,9 @@ void main() {
 #if DGB_INTERLOCK
     beginInvocationInterlockARB();
 #endif
-    for (int layer = 1; layer < dgb_draw_layer.y; ++layer)
-        if (dgb_kept_in(layer)) dgb_compete(layer);
+    if (dgb_draw_layer.y > 1 && dgb_kept_second) dgb_compete(1);
+    for (int layer = 2; layer < DGB_LAYERS; ++layer) // a constant bound: it unrolls
+        if (layer < dgb_draw_layer.y && dgb_kept_in(layer)) dgb_compete(layer);
 #if DGB_INTERLOCK
     endInvocationInterlockARB();
 #endif

@@ -35,6 +35,15 @@ inline double median_ratio(const std::vector<double>& over, const std::vector<do
     return median(ratios);
 }
 
+// RGB from irradiance and confidence, as a composite weighs it: what few taps found counts for little.
+inline std::vector<float> weigh(const std::vector<float>& rgba) {
+    std::vector<float> rgb;
+    for (size_t i = 0; i < rgba.size(); i += 4) {
+        for (size_t c = i; c < i + 3; ++c) { rgb.push_back(rgba[c] * rgba[i + 3]); }
+    }
+    return rgb;
+}
+
 // ---- Views ----------------------------------------------------------------------------------------------
 
 struct View {
@@ -72,6 +81,9 @@ inline View load_view(const std::string& argument) {
     set_planes(view.scene, &view.camera);
     return view;
 }
+
+// High enough to reach the floor of a court. Irradiance is compared relative to its mean, which must not be close to nothing.
+constexpr float kSunDirection[3] = {0.25f, 0.9f, 0.3f};
 
 struct Motion {
     float metres;  // that the eye moves in a frame, root mean square

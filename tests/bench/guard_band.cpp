@@ -7,6 +7,8 @@
 #include "bench.hpp"
 #include "scene_renderer.hpp"
 
+#include <glm/gtc/type_ptr.hpp>
+
 #include <array>
 #include <cmath>
 
@@ -29,12 +31,17 @@ struct Error {
         ++count;
     }
     double rmse() const { return std::sqrt(squares / double(count)); }
-    double relative() const { return reference > 0.0 ? rmse() / (reference / double(count)) : 0.0; }
 };
 
 struct Errors {                 // of one band
     Error ao[2], irradiance[2]; // near the border, the rest
 };
+
+// Of the whole image's irradiance, W/m2: parts of it may be dark.
+double mean_irradiance(const Errors& e) {
+    return (e.irradiance[0].reference + e.irradiance[1].reference) /
+           double(e.irradiance[0].count + e.irradiance[1].count);
+}
 
 bool is_near_border(size_t pixel) {
     const int x = int(pixel) % kWidth, y = int(pixel) / kWidth;
@@ -77,15 +84,16 @@ void print_table(const View& view, int frames, const std::array<Errors, kBands.s
                 "inside");
     for (size_t i = 0; i + 1 < kBands.size(); ++i) {
         const Errors& e = errors[i];
+        const double mean = std::max(mean_irradiance(e), 1e-9);
         std::printf("    %-10d | %12.4f %12.4f | %17.2f%% %15.2f%%\n", kBands[i], e.ao[0].rmse(), e.ao[1].rmse(),
-                    100.0 * e.irradiance[0].relative(), 100.0 * e.irradiance[1].relative());
+                    100.0 * e.irradiance[0].rmse() / mean, 100.0 * e.irradiance[1].rmse() / mean);
     }
 }
 
 void run(const std::string& argument, int frames) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    const Light light{{{0.3f, 0.6f, 0.7f}, 4.0f}, glm::vec3(0.2f)};
+    const Light light{{glm::make_vec3(kSunDirection), 4.0f}, glm::vec3(0.2f)};
     const ShadowMap shadows = render_shadow_map(view.scene, scene, light.sun);
     PassTimes times(false);
     std::vector<std::unique_ptr<SceneRenderer>> renderers;
@@ -102,7 +110,7 @@ void run(const std::string& argument, int frames) {
         for (size_t i = kBands.size(); i-- > 0;) { // the truth first
             renderers[i]->render(camera, projection, params);
             const Pixels ao = renderers[i]->read_texture(DGB_AO, 0, GL_RED);
-            const Pixels irradiance = renderers[i]->read_texture(DGB_IRRADIANCE, 0, GL_RGB);
+            const Pixels irradiance = weigh(renderers[i]->read_texture(DGB_IRRADIANCE, 0, GL_RGBA));
             if (i + 1 == kBands.size()) {
                 true_ao = ao;
                 true_light = irradiance;

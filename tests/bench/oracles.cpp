@@ -71,7 +71,7 @@ private:
     std::shared_ptr<const GpuPose> pose_at(int frame);
 
     View view_;
-    Light light_{{{0.3f, 0.6f, 0.7f}, 4.0f}, glm::vec3(0.2f)};
+    Light light_{{glm::make_vec3(kSunDirection), 4.0f}, glm::vec3(0.2f)};
     GpuScene gpu_;
     ShadowMap shadows_;
     std::map<int, std::shared_ptr<const GpuPose>> poses_;
@@ -116,7 +116,7 @@ using Pixels = std::vector<float>;
 struct Frame {
     std::array<Pixels, kLayers> z; // metres, 0 where empty: as built, before strict separation
     Pixels strict_z[2];            // as shaded; this and below only of frames that are shaded
-    Pixels ao, irradiance;         // the latter RGB
+    Pixels ao, irradiance;         // the latter RGB times confidence
 };
 
 class Contender {
@@ -170,7 +170,7 @@ Frame Contender::read(bool shade) {
     renderer_->shade(params_);
     for (int layer = 0; layer < 2; ++layer) { frame.strict_z[layer] = renderer_->read_z(layer); }
     frame.ao = renderer_->read_texture(DGB_AO, 0, GL_RED);
-    frame.irradiance = renderer_->read_texture(DGB_IRRADIANCE, 0, GL_RGB);
+    frame.irradiance = weigh(renderer_->read_texture(DGB_IRRADIANCE, 0, GL_RGBA));
     return frame;
 }
 
