@@ -89,7 +89,7 @@
                                       rasteriser known to run them in order. No early depth test for layer 0.
                   MULTICAST           NVIDIA's viewport multicast behind a pass-through geometry shader. Validated by a
                                       compiler, never run by the authors.
-                  AUTO picks by capability, on a software rasteriser by what was measured there (IMAGE), and says in
+                  AUTO picks by capability, on a software rasteriser IMAGE, the fastest there in large scenes, and says in
                   the plan what it picked. dgbgl_calibrate picks by measuring your scene on your device.
        divisor    resolution of the layers behind the first: 1, 1/2 or 1/4 in each direction.
        The first frame, and the frame after a cut or a resize, is always built by peeling, so no layer is ever unfilled.

@@ -2170,7 +2170,7 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     caps->emission[DGB_EMISSION_VERTEX] = single_pass && b->layer_extension;
     caps->emission[DGB_EMISSION_INSTANCED_GEOMETRY] = geometry && b->version >= 410;
     caps->emission[DGB_EMISSION_IMAGE] = single_pass && b->images && (b->interlock || dgbgli_in_order(b));
-    /* in order means a software rasteriser, and there images were the fastest in every scene measured */
+    /* in order means a software rasteriser: there images were the fastest from 100,000 triangles on (make bench) */
     if (caps->emission[DGB_EMISSION_IMAGE] && dgbgli_in_order(b)) caps->preferred = DGB_EMISSION_IMAGE;
     caps->emission[DGB_EMISSION_MULTICAST] = single_pass && b->version >= 430 &&
                                              dgbgli_has_extension(b, "GL_NV_viewport_array2") &&
