@@ -620,6 +620,10 @@ typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders 
     int32_t flags[4]; /* divisor of this pass's deeper layers, 1 for reversed depth */
 } dgb_draw_uniforms;
 
+typedef struct dgb_resolve_uniforms {
+    int32_t layer[4]; /* x: image of the key */
+} dgb_resolve_uniforms;
+
 typedef struct dgb_pack_uniforms {
     dgb_camera camera;
     float rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
@@ -1903,19 +1907,22 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
 static void dgbi_resolve(const dgb_context* c) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
     dgb_pass pass;
-    int32_t layer[4] = {0, 0, 0, 0};
+    dgb_resolve_uniforms uniforms;
+    int layer;
+    memset(&uniforms, 0, sizeof uniforms);
     dgbi_marker(c, DGB_PASS_RESOLVE, true);
-    for (layer[0] = 0; layer[0] < c->plan.layers - 1; ++layer[0]) {
+    for (layer = 1; layer < c->plan.layers; ++layer) {
         memset(&pass, 0, sizeof pass);
         pass.id = DGB_PASS_RESOLVE;
         pass.depth.texture = c->textures[DGB_DEPTH];
-        pass.depth.layer = layer[0] + 1;
+        pass.depth.layer = layer;
         pass.width = (float)c->plan.width;
         pass.height = (float)c->plan.height;
         pass.clip = c->desc.clip;
         c->backend.pass_begin(c->backend.user, &pass);
         dgbi_bind_inputs(c, plan_pass);
-        c->backend.uniforms_upload(c->backend.user, layer, sizeof layer);
+        uniforms.layer[0] = layer - 1;
+        c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
         c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
         c->backend.pass_end(c->backend.user);
     }

@@ -35,6 +35,8 @@ static const member draw_members[] = {CAMERA("dgb_draw_camera", dgb_draw_uniform
                                       VALUE("dgb_draw_layer", dgb_draw_uniforms, layer),
                                       VALUE("dgb_draw_flags", dgb_draw_uniforms, flags)};
 
+static const member resolve_members[] = {VALUE("dgb_resolve_layer", dgb_resolve_uniforms, layer)};
+
 static const member pack_members[] = {
     CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera), ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
     VALUE("dgb_pack_separation", dgb_pack_uniforms, separation), VALUE("dgb_pack_size", dgb_pack_uniforms, size)};
@@ -71,8 +73,9 @@ typedef struct block {
 static const block draw_block = BLOCK(draw);
 
 static const block* block_of(dgb_pass_id pass) {
-    static const block blocks[] = {BLOCK(pack), BLOCK(ao), BLOCK(gather), BLOCK(reconstruct)};
+    static const block blocks[] = {BLOCK(pack), BLOCK(ao), BLOCK(gather), BLOCK(reconstruct), BLOCK(resolve)};
     switch (pass) {
+    case DGB_PASS_RESOLVE: return &blocks[4];
     case DGB_PASS_PACK: return &blocks[0];
     case DGB_PASS_AO: return &blocks[1];
     case DGB_PASS_GATHER: return &blocks[2];
