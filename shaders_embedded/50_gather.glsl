@@ -1,4 +1,5 @@
-// Radiosity: Equations 4 and 5 of the paper over one or two layers of senders.
+// Radiosity: Equations 4 and 5 of the paper over one or two layers of senders. A tap beyond the buffer finds none: with the
+// border in its place, what stands there would send again and again.
 
 layout(std140) uniform dgb_gather_block {
     dgb_camera dgb_gather_camera;
@@ -43,7 +44,7 @@ void main() {
         vec2    at    = vec2(tap.pixel) + 0.5;
         vec2    ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;
         vec2    ray_1 = at * dgb_gather_camera.position_1.xy + (dgb_gather_camera.position_1.zw - x.xy);
-        float   other = tap.pixel != pixel ? 1.0 : 0.0;
+        float   other = tap.inside && tap.pixel != pixel ? 1.0 : 0.0;
         vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;
 #if DGB_NORMAL_TEST
         vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);

@@ -51,7 +51,7 @@ static const char helper_text[] =
     "dgb_camera given_camera() { return dgb_camera(given(1), given(2), given(3), given(4)); }\n"
     "uvec4 bits(float x) { return uvec4(floatBitsToUint(x), 0u, 0u, 0u); }\n"
     "uvec4 bits(vec3 v) { return uvec4(floatBitsToUint(v), 0u); }\n"
-    "uvec4 twin_tap(dgb_tap t) { return uvec4(t.texel.x | t.texel.y << 16, t.level, t.pixel); }\n";
+    "uvec4 twin_tap(dgb_tap t) { return uvec4(t.texel.x | t.texel.y << 16, t.level + 16 * int(t.inside), t.pixel); }\n";
 
 static GLuint compile(GLenum stage, const char* const* texts, int count) {
     GLuint shader = glCreateShader(stage);
@@ -706,7 +706,7 @@ static void test_bilateral_weight(void** state) {
 /* >> taps */
 
 typedef struct tap_place {
-    int texel[2], level, pixel[2];
+    int texel[2], level, pixel[2], inside;
 } tap_place;
 
 static float clamped(float x, float high) { return x < 0.0f ? 0.0f : x > high ? high : x; }
@@ -721,9 +721,11 @@ static tap_place host_tap(int x, int y, int i, int count, float reach, const int
     direction[1] = tap[0] * turn[1] + tap[1] * turn[0];
     h = reach * tap[2] > 0.75f ? reach * tap[2] : 0.75f;
     p.level = dgb_mip_level(h, levels[0], levels[1], levels[2]);
+    p.inside = 1;
     for (axis = 0; axis < 2; ++axis) {
         const float at = (float)(axis ? y : x) + 0.5f + h * direction[axis];
         const int end = (size[axis] >> p.level) - 1;
+        p.inside = p.inside && at >= 0.0f && at < (float)size[axis];
         p.texel[axis] = (int)clamped(at, (float)(size[axis] - 1)) >> p.level;
         p.texel[axis] = p.texel[axis] < end ? p.texel[axis] : end;
     }
@@ -748,8 +750,9 @@ static int tap_mismatches(float reach, int count, const int size[2], const int l
              3);
     for (i = 0; i < CASES; ++i) {
         const tap_place p = host_tap(i % SIDE, i / SIDE, i % count, count, reach, size, levels);
-        mismatches += out[i][0] != ((uint32_t)p.texel[0] | (uint32_t)p.texel[1] << 16) || (int)out[i][1] != p.level ||
-                      (int)out[i][2] != p.pixel[0] || (int)out[i][3] != p.pixel[1];
+        mismatches += out[i][0] != ((uint32_t)p.texel[0] | (uint32_t)p.texel[1] << 16) ||
+                      (int)out[i][1] != p.level + 16 * p.inside || (int)out[i][2] != p.pixel[0] ||
+                      (int)out[i][3] != p.pixel[1];
     }
     return mismatches;
 }

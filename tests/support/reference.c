@@ -81,6 +81,7 @@ void reference_close(reference* r) {
 
 typedef struct place { /* a texel of a level, and the pixel of level 0 that it was copied from */
     int texel[2], level, pixel[2];
+    bool inside; /* false: beyond the buffer, and moved to its border */
 } place;
 
 static place place_of(int x, int y) {
@@ -88,6 +89,7 @@ static place place_of(int x, int y) {
     p.texel[0] = p.pixel[0] = x;
     p.texel[1] = p.pixel[1] = y;
     p.level = 0;
+    p.inside = true;
     return p;
 }
 
@@ -167,10 +169,12 @@ static place tap_place(const reference* r, int x, int y, int i, int count, float
     h = reach * tap[2];
     h = h > 0.75f ? h : 0.75f;
     p.level = level_of(h, log2_q, min_level < last ? min_level : last, last);
-    p.texel[0] = clamped_pixel((float)x + 0.5f + h * c, r->width) >> p.level;
-    p.texel[1] = clamped_pixel((float)y + 0.5f + h * s, r->height) >> p.level;
+    p.inside = true;
     for (axis = 0; axis < 2; ++axis) {
+        const float at = axis ? (float)y + 0.5f + h * s : (float)x + 0.5f + h * c;
         const int end = reference_size(size[axis], p.level) - 1;
+        p.inside = p.inside && at >= 0.0f && at < (float)size[axis];
+        p.texel[axis] = clamped_pixel(at, size[axis]) >> p.level;
         if (p.texel[axis] > end) p.texel[axis] = end;
         p.pixel[axis] = p.texel[axis];
     }
@@ -376,7 +380,7 @@ reference_light reference_irradiance(const reference* r, const dgb_params* q, dg
     for (i = 0; i < q->samples; ++i) {
         const place tap = tap_place(r, x, y, i, q->samples, reach_of(r, z, q->radius), DGB_GATHER_LOG2_Q, q->min_level);
         sender under[2];
-        if (tap.pixel[0] == x && tap.pixel[1] == y) continue;
+        if (!tap.inside || (tap.pixel[0] == x && tap.pixel[1] == y)) continue;
         for (layer = 0; layer < r->layers; ++layer) under[layer] = sender_at(r, q, &tap, layer, point, n);
         add_tap(&g, under, r->layers, senders);
     }
