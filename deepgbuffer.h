@@ -196,11 +196,11 @@ extern "C" {
 #define DGB_AO_LOG2_Q 3           /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
 #define DGB_GATHER_LOG2_Q 4       /* radiosity taps within 2^4 = 16 pixels read level 0 */
 #define DGB_MAX_TARGETS 4         /* colour targets of one pass */
-#define DGB_MAX_INPUTS 8          /* textures read by one pass */
-#define DGB_MAX_DEFINES 6
-#define DGB_MAX_PROGRAMS 8
+#define DGB_MAX_INPUTS 14         /* textures read by one pass */
+#define DGB_MAX_DEFINES 8
+#define DGB_MAX_PROGRAMS 12
 #define DGB_MAX_PASSES 16
-#define DGB_MAX_TEXTURES 20
+#define DGB_MAX_TEXTURES 36
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
 
@@ -218,7 +218,7 @@ typedef enum dgb_result {
     X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
     X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
     X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
-    X(EFFECTS, "effects holds a bit that is not a DGB_EFFECT_*")                                                 \
+    X(EFFECTS, "effects holds an unknown bit, or BOUNCES without RADIOSITY, or TEMPORAL with nothing to filter") \
     X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
     X(ENUM, "an enum of the desc is out of range")                                                               \
     X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
@@ -237,6 +237,8 @@ typedef enum dgb_result {
     X(AO_PARAMS,                                                                                                 \
       "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")     \
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
+    X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
+    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
     X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                           \
     X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")          \
     X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
@@ -257,9 +259,11 @@ typedef void (*dgb_log_fn)(void* user, dgb_result result, dgb_log_item item, con
 
 /* --- what there is to choose -------------------------------------------------------------------------------------- */
 
-enum {                          /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
-       DGB_EFFECT_AO = 1,       /* ambient occlusion: DGB_AO */
-       DGB_EFFECT_RADIOSITY = 2 /* bounced diffuse light: DGB_IRRADIANCE */
+enum {                           /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
+       DGB_EFFECT_AO = 1,        /* ambient occlusion: DGB_AO */
+       DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
+       DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
+       DGB_EFFECT_TEMPORAL = 8   /* with AO or RADIOSITY: averages them over frames */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -343,36 +347,50 @@ typedef enum dgb_format {
 } dgb_format;
 
 /* Every texture there can be. X(enumerator, name): the name is that of the GLSL sampler without its dgb_ prefix. */
-#define DGB_SLOTS(X)                                                                      \
-    /* layers: 2D arrays, one image a layer */                                            \
-    X(DGB_DEPTH, "depth")                                                                 \
-    X(DGB_ALBEDO, "albedo")                                                               \
-    X(DGB_NORMAL, "normal")                                                               \
-    X(DGB_RADIANCE, "radiance")                                                           \
-    X(DGB_VELOCITY, "velocity")                                                           \
-    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */ \
-    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */    \
-    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */      \
-    /* the engine's own layers: 2D textures */                                            \
-    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                 \
-    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                 \
-    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                               \
-    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                               \
-    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                           \
-    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                           \
-    /* packed shading input, with MIP levels */                                           \
-    X(DGB_Z, "z")                 /* camera z of both layers, DGB_EMPTY_Z where empty */  \
-    X(DGB_NORMALS, "normals")     /* Oct16 of both layers */                              \
-    X(DGB_B0, "b0")               /* radiance of layer 0 */                               \
-    X(DGB_B1, "b1")               /* radiance of layer 1 */                               \
-    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */ \
-    /* results: raw, after the horizontal filter, final */                                \
-    X(DGB_AO_RAW, "ao_raw")                                                               \
-    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                               \
-    X(DGB_AO_HALF, "ao_half")                                                             \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                             \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                    \
-    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */
+#define DGB_SLOTS(X)                                                                                                \
+    /* layers: 2D arrays, one image a layer */                                                                      \
+    X(DGB_DEPTH, "depth")                                                                                           \
+    X(DGB_ALBEDO, "albedo")                                                                                         \
+    X(DGB_NORMAL, "normal")                                                                                         \
+    X(DGB_RADIANCE, "radiance")                                                                                     \
+    X(DGB_VELOCITY, "velocity")                                                                                     \
+    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                           \
+    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                              \
+    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                \
+    /* the engine's own layers: 2D textures */                                                                      \
+    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                           \
+    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                           \
+    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                                                         \
+    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                                                         \
+    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                                                     \
+    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                                                     \
+    X(DGB_ENGINE_ALBEDO0, "engine_albedo0")                                                                         \
+    X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                         \
+    X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                     \
+    X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                     \
+    /* packed shading input, with MIP levels */                                                                     \
+    X(DGB_Z, "z")                 /* camera z of both layers, DGB_EMPTY_Z where empty */                            \
+    X(DGB_NORMALS, "normals")     /* Oct16 of both layers */                                                        \
+    X(DGB_B0, "b0")               /* radiance of layer 0 */                                                         \
+    X(DGB_B1, "b1")               /* radiance of layer 1 */                                                         \
+    X(DGB_LAST_Z, "last_z")       /* z of last frame */                                                             \
+    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                           \
+    /* results: raw, averaged over frames, after the horizontal filter, final */                                    \
+    X(DGB_AO_RAW, "ao_raw")                                                                                         \
+    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                         \
+    X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                       \
+    X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */ \
+    X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                       \
+    X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                     \
+    X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                 \
+    X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                       \
+    X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                     \
+    X(DGB_AO_HALF, "ao_half")                                                                                       \
+    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                       \
+    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                     \
+    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                            \
+    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                 \
+    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */
 
 typedef enum dgb_slot {
     DGB_SLOT_NONE = 0,
@@ -390,6 +408,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_MIP,
     DGB_PASS_AO,
     DGB_PASS_GATHER,
+    DGB_PASS_TEMPORAL,
     DGB_PASS_RECONSTRUCT,
     DGB_PASS_COUNT
 } dgb_pass_id;
@@ -514,6 +533,15 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     bool normal_test; /* senders must face the receiver (Equation 5, second half) */
     int min_level;    /* minimum MIP level, 0..5 */
 
+    float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
+    float
+        boost_unsaturated; /* factors of that light for grey and for fully saturated surfaces; 1, 1 conserves energy */
+    float boost_saturated;
+
+    float history_weight;    /* alpha: weight of history in the average, 0 (off) to 0.999 */
+    float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
+    float history_floor;     /* or within this, m */
+
     int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
     int filter_step;        /* pixels from tap to tap, 1..8 */
     float normal_sharpness; /* 0 ignores normals */
@@ -624,11 +652,20 @@ typedef struct dgb_resolve_uniforms {
     int32_t layer[4]; /* x: image of the key */
 } dgb_resolve_uniforms;
 
+typedef struct dgb_reprojection { /* from this frame to last frame */
+    dgb_camera last;
+    float to_last[3][4]; /* rows: from this frame's camera space to last frame's */
+    float tolerance[4];  /* share of the distance, floor (m), 1 if last frame is of use, 0 if nothing has moved since */
+    int32_t rect[4];     /* shaded last frame: x0, y0, x1, y1, the last two inclusive */
+} dgb_reprojection;
+
 typedef struct dgb_pack_uniforms {
     dgb_camera camera;
     float rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
     float separation[4];  /* separation (m; -1: not strict), depth codes (0: float) */
     int32_t size[4];      /* buffer width and height */
+    float bounce[4];      /* damping, boost of grey, boost of saturated colour */
+    dgb_reprojection past;
 } dgb_pack_uniforms;
 
 typedef struct dgb_ao_uniforms {
@@ -647,6 +684,12 @@ typedef struct dgb_gather_uniforms {
     float radius[4];  /* r (m), r^2, normaliser k, largest radius in pixels */
     float taps[DGB_MAX_TAPS][4];
 } dgb_gather_uniforms;
+
+typedef struct dgb_temporal_uniforms {
+    dgb_camera camera;
+    float weight[4]; /* x: of history */
+    dgb_reprojection past;
+} dgb_temporal_uniforms;
 
 typedef struct dgb_reconstruct_uniforms {
     dgb_camera camera;
@@ -742,6 +785,10 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture depth[DGB_MAX_SHADED_LAYERS];    /* depth-buffer values in the desc's convention */
     dgb_texture normal[DGB_MAX_SHADED_LAYERS];   /* as desc.normals says; unread for DGB_NORMALS_FROM_DEPTH */
     dgb_texture radiance[DGB_MAX_SHADED_LAYERS]; /* outgoing radiance; read for radiosity only */
+    dgb_texture albedo[DGB_MAX_SHADED_LAYERS];   /* linear; read for more than one bounce only */
+    dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
+                                                    one: metres of camera z by which the object itself moved. Read for
+                                                    more than one bounce and for the temporal filter only */
 } dgb_layers;
 
 typedef struct dgb_pose { /* a camera as drawn with: the projection widened and jittered */
@@ -757,6 +804,12 @@ typedef struct dgb_context { /* yours to place; its members are the library's */
     dgb_program programs[DGB_MAX_PROGRAMS];
     bool has_layers;          /* something to shade */
     bool has_previous;        /* the oracle holds a frame */
+    bool has_history;         /* what dgb_shade left is of the same place */
+    uint32_t built, shaded;   /* number of the layers there are, and of those that were shaded last */
+    uint32_t frame;           /* calls of dgb_shade */
+    dgb_params shaded_params; /* of the last dgb_shade */
+    dgb_pose shaded_pose;
+    dgb_camera shaded_camera;
     dgb_pose drawn;           /* last */
     dgb_pose pending;         /* DELAY: submitted, not drawn yet */
     dgb_camera camera;        /* of `drawn` */
@@ -1198,6 +1251,12 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.samples = table[row].samples;
     p.normal_test = table[row].normal_test;
     p.min_level = table[row].min_level;
+    p.bounce_damping = 1.0f;
+    p.boost_unsaturated = 1.0f;
+    p.boost_saturated = 1.0f;
+    p.history_weight = 0.85f;
+    p.history_tolerance = 0.005f;
+    p.history_floor = 0.01f;
     p.filter_taps = table[row].filter_taps;
     p.filter_step = 1;
     p.normal_sharpness = 4.0f;
@@ -1220,6 +1279,12 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_at_least(p->ao_intensity, 0.0f))
         return DGB_LOG_AO_PARAMS;
     if (!dgbi_is_radius(p->radius) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
+    if (!dgbi_at_least(p->bounce_damping, 0.0f) || p->bounce_damping > 1.0f ||
+        !dgbi_at_least(p->boost_unsaturated, 0.0f) || !dgbi_at_least(p->boost_saturated, 0.0f))
+        return DGB_LOG_BOUNCE_PARAMS;
+    if (!dgbi_at_least(p->history_weight, 0.0f) || p->history_weight > 0.999f ||
+        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f))
+        return DGB_LOG_HISTORY_PARAMS;
     if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
         return DGB_LOG_MIP_PARAMS;
     if (!dgbi_in_range(p->filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1) || p->filter_taps % 2 == 0 ||
@@ -1251,7 +1316,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict", "pack", "mip", "ao", "gather", "reconstruct"};
+    static const char* const names[] = {"layers", "resolve", "predict",  "pack",       "mip",
+                                        "ao",     "gather",  "temporal", "reconstruct"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1292,7 +1358,16 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
     uint32_t targets = 0;
     if (effects) targets |= DGB_TARGET_NORMAL;
     if (effects & DGB_EFFECT_RADIOSITY) targets |= DGB_TARGET_RADIANCE;
+    if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_ALBEDO | DGB_TARGET_VELOCITY;
+    if (effects & DGB_EFFECT_TEMPORAL) targets |= DGB_TARGET_VELOCITY;
     return targets;
+}
+
+static bool dgbi_effects_ok(uint32_t effects) {
+    const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
+    if (effects & ~all) return false;
+    if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
+    return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY));
 }
 
 static bool dgbi_divisor_ok(const dgb_desc* d) {
@@ -1313,7 +1388,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (!dgbi_in_range(d->layers, 0, max_layers)) return DGB_LOG_LAYERS;
     if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
-    if (d->effects & ~(uint32_t)(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) return DGB_LOG_EFFECTS;
+    if (!dgbi_effects_ok(d->effects)) return DGB_LOG_EFFECTS;
     if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) ||
         !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
         !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) ||
@@ -1462,23 +1537,32 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
 }
 
-static void dgbi_add_engine_inputs(const dgb_desc* d, bool radiance, dgb_slot depth, dgb_slot normal, dgb_slot light,
-                                   dgb_plan_pass* pass) {
-    dgbi_add_input(pass, depth);
-    if (d->normals != DGB_NORMALS_FROM_DEPTH) dgbi_add_input(pass, normal);
-    if (radiance) dgbi_add_input(pass, light);
+/* What the shading wants, besides what every desc has. */
+typedef struct dgbi_wants {
+    int layers; /* shaded */
+    bool ao, light, bounces, temporal;
+    bool deep; /* the second layer receives light as well */
+} dgbi_wants;
+
+static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
+    dgbi_wants w;
+    w.layers = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
+    w.ao = (d->effects & DGB_EFFECT_AO) != 0;
+    w.light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+    w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
+    w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
+    w.deep = w.bounces && w.layers > 1;
+    return w;
 }
 
-static void dgbi_plan_pack_inputs(const dgb_desc* d, bool radiance, dgb_plan_pass* pass) {
+/* One kind of texture of the layers: an array of the library's, or up to two of the engine's own. */
+static void dgbi_add_source(const dgb_desc* d, dgb_slot built, dgb_slot engine0, dgb_plan_pass* pass) {
     if (d->source == DGB_SOURCE_BUILD) {
-        dgbi_add_input(pass, DGB_DEPTH);
-        dgbi_add_input(pass, DGB_NORMAL);
-        if (radiance) dgbi_add_input(pass, DGB_RADIANCE);
+        dgbi_add_input(pass, built);
         return;
     }
-    dgbi_add_engine_inputs(d, radiance, DGB_ENGINE_DEPTH0, DGB_ENGINE_NORMAL0, DGB_ENGINE_RADIANCE0, pass);
-    if (d->layers > 1)
-        dgbi_add_engine_inputs(d, radiance, DGB_ENGINE_DEPTH1, DGB_ENGINE_NORMAL1, DGB_ENGINE_RADIANCE1, pass);
+    dgbi_add_input(pass, engine0);
+    if (d->layers > 1) dgbi_add_input(pass, (dgb_slot)(engine0 + 1));
 }
 
 static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radiance, int layers) {
@@ -1488,43 +1572,59 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
     if (radiance && layers > 1) dgbi_add_output(pass, DGB_B1);
 }
 
-static void dgbi_plan_pack(const dgb_desc* d, int layers, dgb_plan* plan) {
-    const bool radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_plan_pass* pass) {
+    dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
+    if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
+        dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
+    if (w->light) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
+    if (!w->bounces) return;
+    dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
+    dgbi_add_input(pass, DGB_LAST_Z);
+    dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE, DGB_IRRADIANCE); /* not written again until the reconstruction */
+    if (w->deep) dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1);
+}
+
+static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_PACK);
+    const dgb_format z = w->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
-    dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_NORMALS_FORMAT",
                     d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
-    dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
+    dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
-    dgbi_add_texture(plan, DGB_Z, layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F, 0, plan->levels);
-    dgbi_add_texture(plan, DGB_NORMALS, layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0, radiance ? plan->levels : 1);
-    if (radiance) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, plan->levels);
-    if (radiance && layers > 1) dgbi_add_texture(plan, DGB_B1, DGB_FORMAT_R11G11B10F, 0, plan->levels);
-    dgbi_plan_pack_inputs(d, radiance, pass);
-    dgbi_add_packed_outputs(pass, true, radiance, layers);
+    dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
+    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_texture(plan, DGB_Z, z, 0, plan->levels);
+    if (w->bounces || w->temporal) dgbi_add_texture(plan, DGB_LAST_Z, z, 0, plan->levels); /* takes turns with z */
+    dgbi_add_texture(plan, DGB_NORMALS, w->layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0,
+                     w->light ? plan->levels : 1);
+    if (w->light) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, plan->levels);
+    if (w->light && w->layers > 1) dgbi_add_texture(plan, DGB_B1, DGB_FORMAT_R11G11B10F, 0, plan->levels);
+    dgbi_plan_pack_inputs(d, w, pass);
+    dgbi_add_packed_outputs(pass, true, w->light, w->layers);
 }
 
 /* Occlusion taps read z alone; radiosity reads everything at every level. */
-static void dgbi_plan_mip(const dgb_desc* d, int layers, dgb_plan* plan) {
-    const bool radiance = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
     int program, level, i;
     if (plan->levels == 1) return;
     program = dgbi_add_program(plan, DGB_PASS_MIP);
-    dgbi_add_define(plan, "DGB_LAYERS", layers);
-    dgbi_add_define(plan, "DGB_PACK_RADIANCE", radiance);
+    dgbi_add_define(plan, "DGB_LAYERS", w->layers);
+    dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
     for (level = 1; level < plan->levels; ++level) {
         dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_MIP, level, program);
-        dgbi_add_packed_outputs(pass, radiance, radiance, layers);
+        dgbi_add_packed_outputs(pass, w->light, w->light, w->layers);
         for (i = 0; i < pass->output_count; ++i) dgbi_add_input(pass, pass->outputs[i]);
     }
 }
 
-static void dgbi_plan_ao(const dgb_desc* d, int layers, dgb_plan* plan) {
+static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_AO);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
-    dgbi_add_define(plan, "DGB_LAYERS", layers);
+    dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_Z);
@@ -1534,53 +1634,94 @@ static void dgbi_plan_ao(const dgb_desc* d, int layers, dgb_plan* plan) {
 }
 
 /* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
-static void dgbi_plan_gather(const dgb_desc* d, int layers, dgb_plan* plan) {
+static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = plan->program_count;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_GATHER, 0, program);
     int normal_test;
     for (normal_test = 0; normal_test < 2; ++normal_test) {
         dgbi_add_program(plan, DGB_PASS_GATHER);
-        dgbi_add_define(plan, "DGB_LAYERS", layers);
+        dgbi_add_define(plan, "DGB_LAYERS", w->layers);
         dgbi_add_define(plan, "DGB_NORMAL_TEST", normal_test);
         dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
         dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+        dgbi_add_define(plan, "DGB_DEEP", w->deep);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
+    if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_B0);
-    if (layers > 1) dgbi_add_input(pass, DGB_B1);
+    if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
     dgbi_add_input(pass, DGB_ROTATIONS);
     dgbi_add_output(pass, DGB_IRRADIANCE_RAW);
+    if (w->deep) dgbi_add_output(pass, DGB_IRRADIANCE1_RAW);
 }
 
-static void dgbi_plan_reconstruct(const dgb_desc* d, dgb_plan* plan) {
-    static const dgb_slot ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
-    static const dgb_slot irradiance[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
-    const bool has_ao = (d->effects & DGB_EFFECT_AO) != 0, has_light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
+/* A raw result, its average, and the average of last frame, which take turns. */
+static void dgbi_plan_mean(dgb_slot raw, dgb_slot mean, dgb_slot last, dgb_plan* plan, dgb_plan_pass* pass) {
+    dgbi_add_texture(plan, mean, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_texture(plan, last, DGB_FORMAT_RGBA16F, 0, 1);
+    if (raw) dgbi_add_input(pass, raw);
+    dgbi_add_input(pass, last);
+    dgbi_add_output(pass, mean);
+}
+
+static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    const int program = dgbi_add_program(plan, DGB_PASS_TEMPORAL);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, program);
+    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
+    dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
+    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_input(pass, DGB_Z);
+    dgbi_add_input(pass, DGB_NORMALS);
+    dgbi_add_input(pass, DGB_LAST_Z);
+    if (d->source == DGB_SOURCE_BUILD || w->deep)
+        dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
+    else
+        dgbi_add_input(pass, DGB_ENGINE_VELOCITY0); /* the second layer's is not read */
+    dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
+    if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
+    if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
+}
+
+typedef struct dgbi_filtered { /* one result: what the shader calls it, and where it lies */
+    dgb_slot name, before, half, after;
+    dgb_format format;
+} dgbi_filtered;
+
+/* Along x it reads what the passes before have left, along y what it has written itself. */
+static void dgbi_plan_axis(const dgbi_filtered* f, int axis, dgb_plan* plan, dgb_plan_pass* pass) {
+    dgbi_add_texture(plan, axis ? f->after : f->half, f->format, 0, 1);
+    dgbi_add_input_as(pass, f->name, axis ? f->half : f->before);
+    dgbi_add_output(pass, axis ? f->after : f->half);
+}
+
+static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    const dgbi_filtered ao = {DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO_HALF, DGB_AO, DGB_FORMAT_R8};
+    const dgbi_filtered light = {DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW,
+                                 DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_FORMAT_RGBA16F};
+    const dgbi_filtered deep = {DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW,
+                                DGB_IRRADIANCE1_HALF, DGB_IRRADIANCE1, DGB_FORMAT_RGBA16F};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
     int axis;
-    dgbi_add_define(plan, "DGB_FILTER_AO", has_ao);
-    dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", has_light);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
+    dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
+    dgbi_add_define(plan, "DGB_DEEP", w->deep);
     for (axis = 0; axis < 2; ++axis) {
         dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
         dgbi_add_input(pass, DGB_Z);
         dgbi_add_input(pass, DGB_NORMALS);
-        if (has_ao) {
-            dgbi_add_texture(plan, ao[axis + 1], DGB_FORMAT_R8, 0, 1);
-            dgbi_add_input_as(pass, DGB_AO_RAW, ao[axis]);
-            dgbi_add_output(pass, ao[axis + 1]);
-        }
-        if (has_light) {
-            dgbi_add_texture(plan, irradiance[axis + 1], DGB_FORMAT_RGBA16F, 0, 1);
-            dgbi_add_input_as(pass, DGB_IRRADIANCE_RAW, irradiance[axis]);
-            dgbi_add_output(pass, irradiance[axis + 1]);
-        }
+        if (w->ao) dgbi_plan_axis(&ao, axis, plan, pass);
+        if (w->light) dgbi_plan_axis(&light, axis, plan, pass);
+        if (w->deep) dgbi_plan_axis(&deep, axis, plan, pass);
     }
 }
 
 static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
-    const int shaded = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
+    const dgbi_wants wants = dgbi_wants_of(d);
     memset(plan, 0, sizeof *plan);
     plan->width = d->width + 2 * d->guard_band;
     plan->height = d->height + 2 * d->guard_band;
@@ -1591,11 +1732,12 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     if (d->source == DGB_SOURCE_BUILD) dgbi_plan_layers(d, plan);
     if (!d->effects) return;
     dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
-    dgbi_plan_pack(d, shaded, plan);
-    dgbi_plan_mip(d, shaded, plan);
-    if (d->effects & DGB_EFFECT_AO) dgbi_plan_ao(d, shaded, plan);
-    if (d->effects & DGB_EFFECT_RADIOSITY) dgbi_plan_gather(d, shaded, plan);
-    dgbi_plan_reconstruct(d, plan);
+    dgbi_plan_pack(d, &wants, plan);
+    dgbi_plan_mip(&wants, plan);
+    if (wants.ao) dgbi_plan_ao(d, &wants, plan);
+    if (wants.light) dgbi_plan_gather(d, &wants, plan);
+    if (wants.temporal) dgbi_plan_temporal(d, &wants, plan);
+    dgbi_plan_reconstruct(d, &wants, plan);
 }
 
 DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan) {
@@ -1637,7 +1779,7 @@ static void dgbi_end(const dgb_backend* b) {
 static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
     int slot;
     for (slot = 0; slot < DGB_SLOT_COUNT; ++slot) {
-        const bool borrowed = slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1;
+        const bool borrowed = slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_VELOCITY1;
         if (textures[slot].id && !borrowed) b->texture_destroy(b->user, textures[slot]);
         textures[slot].id = 0;
     }
@@ -1741,6 +1883,7 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
     context->desc.height = height;
     context->has_layers = false;
     context->has_previous = false;
+    context->has_history = false;
     return DGB_OK;
 }
 
@@ -2020,6 +2163,13 @@ static dgb_result dgbi_camera_of(const dgb_context* c, const dgb_pose* pose, dgb
                                   camera);
 }
 
+/* cut: they show another place than the layers before */
+static void dgbi_new_layers(dgb_context* c, bool cut) {
+    c->has_layers = true;
+    c->has_history = c->has_history && !cut;
+    ++c->built;
+}
+
 DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw_fn,
                              void* user) {
     dgb_log_item item = DGB_LOG_NONE;
@@ -2067,14 +2217,13 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     context->drawn = b.pose;
     context->pending = submitted;
     context->has_previous = true;
-    context->has_layers = true;
+    dgbi_new_layers(context, fresh);
     return DGB_OK;
 }
 
-/* Textures go into the slots that the plan's pack pass reads; others stay empty. */
+/* Textures go into the slots that the plan's passes read. */
 static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb_texture textures[DGB_SLOT_COUNT]) {
-    const dgb_plan_pass* pack = &plan->passes[0];
-    int i;
+    int i, j;
     if (!plan->pass_count) return true;
     textures[DGB_ENGINE_DEPTH0] = layers->depth[0];
     textures[DGB_ENGINE_DEPTH1] = layers->depth[1];
@@ -2082,8 +2231,13 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
     textures[DGB_ENGINE_NORMAL1] = layers->normal[1];
     textures[DGB_ENGINE_RADIANCE0] = layers->radiance[0];
     textures[DGB_ENGINE_RADIANCE1] = layers->radiance[1];
-    for (i = 0; i < pack->input_count; ++i)
-        if (!textures[pack->inputs[i].texture].id) return false;
+    textures[DGB_ENGINE_ALBEDO0] = layers->albedo[0];
+    textures[DGB_ENGINE_ALBEDO1] = layers->albedo[1];
+    textures[DGB_ENGINE_VELOCITY0] = layers->velocity[0];
+    textures[DGB_ENGINE_VELOCITY1] = layers->velocity[1];
+    for (i = 0; i < plan->pass_count; ++i)
+        for (j = 0; j < plan->passes[i].input_count; ++j)
+            if (!textures[plan->passes[i].inputs[j].texture].id) return false;
     return true;
 }
 
@@ -2108,11 +2262,62 @@ DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, co
     memcpy(context->drawn.view, view->view, sizeof context->drawn.view);
     memcpy(context->drawn.projection, projection, sizeof projection);
     context->camera = camera;
-    context->has_layers = true;
+    dgbi_new_layers(context, view->cut);
     return DGB_OK;
 }
 
 /* >> frame, shading: one function a pass fills its uniforms */
+
+/* The part of the buffer that is shaded: the image plus guard_fraction of the guard band. x, y, width, height. */
+static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
+    const int inset = c->desc.guard_band - (int)((float)c->desc.guard_band * q->guard_fraction + 0.5f);
+    rect[0] = rect[1] = inset;
+    rect[2] = c->plan.width - 2 * inset;
+    rect[3] = c->plan.height - 2 * inset;
+}
+
+static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t inclusive[4]) {
+    int rect[4];
+    dgbi_shaded_rect(c, q, rect);
+    inclusive[0] = rect[0];
+    inclusive[1] = rect[1];
+    inclusive[2] = rect[0] + rect[2] - 1;
+    inclusive[3] = rect[1] + rect[3] - 1;
+}
+
+/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
+static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
+    double inverse[12], affine[12], change[12];
+    int row, column;
+    const bool same = memcmp(now, last, sizeof(float) * 16) == 0;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) {
+            affine[column * 3 + row] = (double)last[column * 4 + row];
+            change[column * 3 + row] = column == row ? 1.0 : 0.0;
+        }
+    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
+}
+
+/* usable: whether last frame is worth looking at. Layers that are shaded again have not moved. */
+static void dgbi_fill_reprojection(const dgb_context* c, const dgb_params* q, bool usable, dgb_reprojection* r) {
+    const bool again = c->built == c->shaded;
+    r->last = usable ? c->shaded_camera : c->camera;
+    dgbi_to_last(c->drawn.view, usable ? c->shaded_pose.view : c->drawn.view, r->to_last);
+    r->tolerance[0] = q->history_tolerance;
+    r->tolerance[1] = q->history_floor;
+    r->tolerance[2] = usable ? 1.0f : 0.0f;
+    r->tolerance[3] = again ? 0.0f : 1.0f;
+    dgbi_fill_rect(c, usable ? &c->shaded_params : q, r->rect);
+}
+
+/* Whether what is computed is the same; parameters that only change how well are left out. */
+static bool dgbi_same_result(const dgb_params* a, const dgb_params* b) {
+    const float x[] = {a->separation, a->ao_radius, a->ao_bias, a->ao_epsilon, a->ao_intensity, a->radius},
+                y[] = {b->separation, b->ao_radius, b->ao_bias, b->ao_epsilon, b->ao_intensity, b->radius};
+    return memcmp(x, y, sizeof x) == 0 && a->strict_separation == b->strict_separation;
+}
 
 static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pack_uniforms* u) {
     int column, row;
@@ -2127,6 +2332,10 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
     u->separation[1] = dgbi_depth_codes(c->desc.depth_format);
     u->size[0] = c->plan.width;
     u->size[1] = c->plan.height;
+    u->bounce[0] = q->bounce_damping;
+    u->bounce[1] = q->boost_unsaturated;
+    u->bounce[2] = q->boost_saturated;
+    dgbi_fill_reprojection(c, q, c->has_history, &u->past);
 }
 
 static void dgbi_fill_taps(int count, float taps[DGB_MAX_TAPS][4]) {
@@ -2134,10 +2343,13 @@ static void dgbi_fill_taps(int count, float taps[DGB_MAX_TAPS][4]) {
     for (i = 0; i < count; ++i) dgb_spiral_tap(i, count, taps[i]);
 }
 
-static void dgbi_fill_size(const dgb_context* c, int taps, int32_t size[4]) {
+/* Every frame takes other taps where they are averaged, and always the same where they are not. */
+static void dgbi_fill_size(const dgb_context* c, const dgb_params* q, int taps, int32_t size[4]) {
+    const bool averaged = (c->desc.effects & DGB_EFFECT_TEMPORAL) && q->history_weight > 0.0f;
     size[0] = c->plan.width;
     size[1] = c->plan.height;
     size[2] = taps;
+    size[3] = averaged ? (int32_t)(c->frame & 0xffffffu) : 0;
 }
 
 static void dgbi_fill_level(const dgb_context* c, int log2_q, int min_level, int32_t level[4]) {
@@ -2154,7 +2366,7 @@ static float dgbi_max_reach(const dgb_context* c) {
 static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
-    dgbi_fill_size(c, q->ao_samples, u->size);
+    dgbi_fill_size(c, q, q->ao_samples, u->size);
     dgbi_fill_level(c, DGB_AO_LOG2_Q, q->ao_min_level, u->level);
     u->radius[0] = q->ao_radius;
     u->radius[1] = 1.0f / (q->ao_radius * q->ao_radius);
@@ -2169,7 +2381,7 @@ static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_u
 static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_gather_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
-    dgbi_fill_size(c, q->samples, u->size);
+    dgbi_fill_size(c, q, q->samples, u->size);
     dgbi_fill_level(c, DGB_GATHER_LOG2_Q, q->min_level, u->level);
     u->radius[0] = q->radius;
     u->radius[1] = q->radius * q->radius;
@@ -2178,12 +2390,11 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     dgbi_fill_taps(q->samples, u->taps);
 }
 
-/* The part of the buffer that is shaded: the image plus guard_fraction of the guard band. x, y, width, height. */
-static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
-    const int inset = c->desc.guard_band - (int)((float)c->desc.guard_band * q->guard_fraction + 0.5f);
-    rect[0] = rect[1] = inset;
-    rect[2] = c->plan.width - 2 * inset;
-    rect[3] = c->plan.height - 2 * inset;
+static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dgb_temporal_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    u->weight[0] = q->history_weight;
+    dgbi_fill_reprojection(c, q, c->has_history && dgbi_same_result(q, &c->shaded_params), &u->past);
 }
 
 /* Gaussian whose standard deviation is half the radius. The sum does not matter: the shader divides by it. */
@@ -2195,14 +2406,9 @@ static void dgbi_filter_weights(int radius, float weights[][4]) {
 
 static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q, int axis,
                                       dgb_reconstruct_uniforms* u) {
-    int rect[4];
     memset(u, 0, sizeof *u);
-    dgbi_shaded_rect(c, q, rect);
     u->camera = c->camera;
-    u->rect[0] = rect[0];
-    u->rect[1] = rect[1];
-    u->rect[2] = rect[0] + rect[2] - 1;
-    u->rect[3] = rect[1] + rect[3] - 1;
+    dgbi_fill_rect(c, q, u->rect);
     u->axis[0] = axis == 0 ? q->filter_step : 0;
     u->axis[1] = axis == 1 ? q->filter_step : 0;
     u->axis[2] = q->filter_taps / 2;
@@ -2216,6 +2422,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         dgb_pack_uniforms pack;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
+        dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
     } u;
     size_t size = 0;
@@ -2223,6 +2430,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_PACK: dgbi_pack_uniforms(c, q, &u.pack), size = sizeof u.pack; break;
     case DGB_PASS_AO: dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao; break;
     case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
+    case DGB_PASS_TEMPORAL: dgbi_temporal_uniforms(c, q, &u.temporal), size = sizeof u.temporal; break;
     case DGB_PASS_RECONSTRUCT:
         dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct;
         break;
@@ -2263,7 +2471,21 @@ static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_
     c->backend.pass_end(c->backend.user);
 }
 
+/* This frame is last frame from now on. */
+static void dgbi_remember(dgb_context* c, const dgb_params* q) {
+    c->has_history = true;
+    c->shaded = c->built;
+    c->shaded_params = *q;
+    c->shaded_pose = c->drawn;
+    c->shaded_camera = c->camera;
+    ++c->frame;
+}
+
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
+    static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z}, /* present and past */
+                                        {DGB_FRAMES, DGB_LAST_FRAMES},
+                                        {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
+                                        {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1}};
     dgb_log_item item = DGB_LOG_NONE;
     int i;
     if (!dgbi_is_live(context)) return DGB_INVALID;
@@ -2271,6 +2493,9 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     if (item == DGB_LOG_NONE && !context->has_layers) item = DGB_LOG_NO_LAYERS;
     if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
+    if (context->built - context->shaded > 1u) context->has_history = false; /* velocities reach back one frame only */
+    for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
+        if (context->textures[turns[i][1]].id) dgbi_swap(context, turns[i][0], turns[i][1]);
     dgbi_begin(&context->backend);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
@@ -2280,6 +2505,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
     }
     dgbi_end(&context->backend);
+    dgbi_remember(context, params);
     return DGB_OK;
 }
 

@@ -180,7 +180,12 @@ Floats dump_pixels(const SceneRenderer& r, const std::string& name) {
     if (name == "ao_raw") { return r.read_texture(DGB_AO_RAW, 0, GL_RED); }
     if (name == "irradiance0") { return r.read_texture(DGB_IRRADIANCE, 0, GL_RGB); }
     if (name == "irradiance0_raw") { return r.read_texture(DGB_IRRADIANCE_RAW, 0, GL_RGB); }
+    if (name == "irradiance1") { return r.read_texture(DGB_IRRADIANCE1, 0, GL_RGB); }
+    if (name == "irradiance1_raw") { return r.read_texture(DGB_IRRADIANCE1_RAW, 0, GL_RGB); }
     if (name == "confidence0") { return one_of_four(r.read_texture(DGB_IRRADIANCE, 0, GL_RGBA), 3); }
+    if (name == "confidence1") { return one_of_four(r.read_texture(DGB_IRRADIANCE1, 0, GL_RGBA), 3); }
+    if (name == "history0") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 2); }
+    if (name == "history1") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 3); }
     return r.read_picture(Picture::final);
 }
 
@@ -243,7 +248,7 @@ private:
     RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
     std::shared_ptr<const GpuPose> pose_at(int frame);
     SceneFrame frame_at(int frame, bool with_next);
-    void render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times);
+    void render_frame(SceneRenderer* renderer, int number, const SceneFrame& frame, PassTimes* times);
     std::vector<uint8_t> tone_mapped(const Floats& linear) const;
     void write_picture(const char* name, const std::vector<uint8_t>& rgb) const;
     void write_pictures(const std::vector<uint8_t>& final_rgb) const;
@@ -262,7 +267,6 @@ private:
     std::optional<SceneRenderer> renderer_, other_;
 };
 
-// The other renderer draws the last frame only: with one frame, layers are peeled, which is exact.
 dgb_desc other_desc(dgb_desc desc) {
     desc.layers = desc.layers == 1 ? 2 : 1;
     desc.oracle = DGB_ORACLE_PEEL;
@@ -312,21 +316,26 @@ SceneFrame Run::frame_at(int frame, bool with_next) {
     return result;
 }
 
-void Run::render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times) {
-    renderer->build(frame, options_.params);
+void Run::render_frame(SceneRenderer* renderer, int number, const SceneFrame& frame, PassTimes* times) {
+    const dgb_params params = options_.params_of(number);
+    renderer->build(frame, params);
     if (shadows_) {
         times->begin();
         if (update_shadow_map(*gpu_scene_, renderer->drawn_pose(), &*shadows_)) { times->end("shadow"); }
     }
-    renderer->shade(options_.params);
+    renderer->shade(params);
 }
 
 void Run::render_frames() {
     for (int frame = 0; frame < options_.frames; ++frame) {
         show_progress(frame + 1, options_.frames);
-        render_frame(&*renderer_, frame_at(frame, options_.oracle == DGB_ORACLE_PREDICT), &times_);
+        render_frame(&*renderer_, frame, frame_at(frame, options_.oracle == DGB_ORACLE_PREDICT), &times_);
     }
-    render_frame(&*other_, frame_at(options_.frame_drawn(), false), &unread_times_);
+    // peeled, which is exact; every frame again, for the light of the frames before
+    for (int frame = 0; frame < options_.frames; ++frame) {
+        const int shown = std::min(frame, options_.frame_drawn());
+        render_frame(&*other_, frame, frame_at(shown, false), &unread_times_);
+    }
     const GLenum error = glGetError();
     if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
 }

@@ -37,7 +37,12 @@ inline const DumpKind kDumpKinds[] = {
     {"ao_raw", 1, DGB_EFFECT_AO},
     {"irradiance0", 1, DGB_EFFECT_RADIOSITY},
     {"irradiance0_raw", 1, DGB_EFFECT_RADIOSITY},
+    {"irradiance1", 2, DGB_EFFECT_RADIOSITY},
+    {"irradiance1_raw", 2, DGB_EFFECT_RADIOSITY},
     {"confidence0", 1, DGB_EFFECT_RADIOSITY},
+    {"confidence1", 2, DGB_EFFECT_RADIOSITY},
+    {"history0", 1, DGB_EFFECT_RADIOSITY},
+    {"history1", 2, DGB_EFFECT_RADIOSITY},
     {"final", 1, 0},
 };
 
@@ -57,7 +62,7 @@ struct Options {
     int divisor = 1;                                        // of the resolution of layers behind the first
     dgb_oracle oracle = DGB_ORACLE_REPROJECT;
     dgb_emission emission = DGB_EMISSION_AUTO;
-    uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
 
     std::optional<RenderCamera> camera; // none: the file's, or one that frames the scene
@@ -67,13 +72,23 @@ struct Options {
     glm::vec3 sky{0.15f, 0.2f, 0.25f};
     float exposure = 0.0f; // powers of two
     int frames = 8;
-    float orbit = 0.0f; // degrees a frame
-    double time = 0.0;  // of the first frame, s
-    double fps = 30.0;  // frames a second of animation
+    std::optional<int> bounces; // none: one more each frame
+    float orbit = 0.0f;         // degrees a frame
+    double time = 0.0;          // of the first frame, s
+    double fps = 30.0;          // frames a second of animation
 
     // What a dump shows: with DELAY, the frame before the last one, if there is one.
     int frame_drawn() const { return oracle == DGB_ORACLE_DELAY && layers > 1 && frames > 1 ? frames - 2 : frames - 1; }
     float aspect() const { return float(width) / float(height); }
+    // The last frames hand on light, as many as it takes to show the bounces asked for. The first eight of them keep no
+    // history, which would hold back the new bounce; what a later one adds is too little to matter.
+    dgb_params params_of(int frame) const {
+        dgb_params result = params;
+        const int handed_on = bounces ? frame - (frames - *bounces) : frame;
+        if (handed_on <= 0) { result.bounce_damping = 0.0f; }
+        if (bounces && handed_on > 0 && handed_on <= 8) { result.history_weight = 0.0f; }
+        return result;
+    }
 };
 
 // What the library is asked for; backend and log are still missing.
@@ -191,8 +206,9 @@ inline void parse_effects(const std::string& text, Options* options) {
     if (text == "none") { return; }
     for (const std::string& word : split(text, ',')) {
         require(word == "ao" || word == "gi", "--effects", "must be none or a comma list of ao and gi");
-        options->effects |= word == "ao" ? DGB_EFFECT_AO : DGB_EFFECT_RADIOSITY;
+        options->effects |= word == "ao" ? DGB_EFFECT_AO : DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES;
     }
+    options->effects |= DGB_EFFECT_TEMPORAL;
 }
 
 inline void parse_camera(const std::string& text, Options* options) {
@@ -226,6 +242,13 @@ inline void parse_sky(const std::string& text, Options* options) {
     options->sky = {n[0], n[1], n[2]};
 }
 
+inline glm::vec2 parse_boost(const std::string& text) {
+    const std::vector<float> n = to_numbers(text);
+    require(n.size() == 2 && n[0] >= 0.0f && n[1] >= 0.0f, "--boost",
+            "must be two numbers of 0 or more: unsaturated,saturated");
+    return {n[0], n[1]};
+}
+
 inline void parse_dump(const std::string& text, Options* options) {
     const size_t equals = text.find('=');
     const std::string name = text.substr(0, equals);
@@ -247,6 +270,8 @@ struct Overrides {
     float radius = 7.4f;    // m
     float ao_radius = 1.0f; // m
     int ao_samples = 16;
+    std::optional<float> alpha, delta;
+    std::optional<glm::vec2> boost; // of grey, of saturated colour
 };
 
 inline void apply(const Overrides& overrides, Options* options) {
@@ -257,6 +282,12 @@ inline void apply(const Overrides& overrides, Options* options) {
     params.radius = overrides.radius;
     params.ao_radius = overrides.ao_radius;
     params.ao_samples = overrides.ao_samples;
+    params.history_weight = overrides.alpha.value_or(params.history_weight);
+    params.bounce_damping = overrides.delta.value_or(params.bounce_damping);
+    if (overrides.boost) {
+        params.boost_unsaturated = overrides.boost->x;
+        params.boost_saturated = overrides.boost->y;
+    }
 }
 
 inline void add_outputs(CLI::App* app, Options* o) {
@@ -327,6 +358,16 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
     app->add_option("--ao-radius", overrides->ao_radius, "reach of ambient occlusion, m (default 1)")
         ->check(positive());
+    app->add_option("--bounces", o->bounces,
+                    "bounces of light that the last frame shows, at most one a frame (default: one more each frame)")
+        ->check(between(1, 1e6, "1 to 1000000"));
+    app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
+        ->check(between(0, 1, "0 to 1"));
+    app->add_option_function<std::string>(
+        "--boost", [=](const std::string& pair) { overrides->boost = parse_boost(pair); },
+        "u,s: factors of bounced light for grey and for saturated surfaces (default 1,1)");
+    app->add_option("--alpha", overrides->alpha, "weight of the frames before, 0 to 0.999 (default 0.85)")
+        ->check(between(0, 0.999, "0 to 0.999"));
 }
 
 inline void add_picture(CLI::App* app, Options* o) {
@@ -360,6 +401,8 @@ inline void add_picture(CLI::App* app, Options* o) {
 }
 
 inline void check_together(const Options& options) {
+    require(options.bounces.value_or(1) <= options.frames, "--bounces",
+            "needs as many --frames: light bounces once a frame");
     for (const Dump& dump : options.dumps) {
         const DumpKind& kind = *std::find_if(std::begin(kDumpKinds), std::end(kDumpKinds),
                                              [&](const DumpKind& k) { return dump.name == k.name; });

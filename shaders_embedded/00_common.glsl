@@ -70,6 +70,14 @@ vec3 dgb_position(vec2 pixel, float z, dgb_camera camera) {
     return vec3((pixel * a.xy + a.zw) * z + (pixel * b.xy + b.zw), z);
 }
 
+#ifdef DGB_DIVISOR
+// Where in the image the texel of a layer lies that a pixel shows: deeper layers may have a lower resolution.
+vec2 dgb_centre(int layer, ivec2 pixel) {
+    int divisor = layer > 0 ? DGB_DIVISOR : 1;
+    return (vec2(pixel / divisor) + 0.5) * float(divisor);
+}
+#endif
+
 float dgb_pixels_per_metre(float z, dgb_camera camera) {
     float w = camera.footprint.y * z + camera.footprint.z;
     return w > 0.0 ? camera.footprint.x / w : 0.0;

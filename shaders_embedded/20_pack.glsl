@@ -1,36 +1,14 @@
-// Pack: camera z, normals and radiance of up to two layers into the shading input (paper, Table 1).
+// Pack: camera z, normals and radiance of up to two layers into the shading input (paper, Table 1). With bounces, what fell on
+// a surface last frame is part of what it sends (Equation 6).
 
 layout(std140) uniform dgb_pack_block {
     dgb_camera dgb_pack_camera;
     vec4       dgb_pack_rotation[3]; // world to camera, columns
     vec4       dgb_pack_separation;  // separation in m (-1: keep what the oracle let through), depth codes
     ivec4      dgb_pack_size;        // buffer width, height
+    vec4       dgb_pack_bounce;      // damping, boost of grey, boost of saturated colour
+    dgb_reprojection dgb_pack_past;
 };
-
-// What the layers hold at a pixel; `layer` is constant wherever these are called.
-#if DGB_ENGINE_LAYERS
-uniform sampler2D dgb_engine_depth0;
-uniform sampler2D dgb_engine_depth1;
-uniform sampler2D dgb_engine_normal0;
-uniform sampler2D dgb_engine_normal1;
-uniform sampler2D dgb_engine_radiance0;
-uniform sampler2D dgb_engine_radiance1;
-
-float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }
-vec3  dgb_normal_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_normal0, p, 0).rgb : texelFetch(dgb_engine_normal1, p, 0).rgb; }
-vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }
-#else
-uniform sampler2DArray dgb_depth;
-uniform sampler2DArray dgb_normal;
-uniform sampler2DArray dgb_radiance;
-
-// Deeper layers may have a lower resolution: they fill a part of their images.
-ivec3 dgb_texel(int layer, ivec2 p) { return ivec3(p / (layer > 0 ? DGB_DIVISOR : 1), layer); }
-
-float dgb_depth_at(int layer, ivec2 p) { return texelFetch(dgb_depth, dgb_texel(layer, p), 0).r; }
-vec3  dgb_normal_at(int layer, ivec2 p) { return texelFetch(dgb_normal, dgb_texel(layer, p), 0).rgb; }
-vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }
-#endif
 
 float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }
 
@@ -85,7 +63,27 @@ vec2 dgb_normal_bytes(int layer, ivec2 p, float z) {
 }
 #endif
 
-vec3 dgb_packed_radiance(int layer, ivec2 p, float z) { return z != 0.0 ? dgb_storable(dgb_radiance_at(layer, p)) : vec3(0.0); }
+#if DGB_LAST_LIGHT
+// Light that fell on the surface last frame and that it sends on: albedo/pi * damping * boost * E.
+vec3 dgb_bounced(int layer, ivec2 p, float z, vec2 normal) {
+    vec2     pixel  = dgb_centre(layer, p);
+    vec3     x      = dgb_position(pixel, z, dgb_pack_camera);
+    dgb_past past   = dgb_past_of(pixel, x, dgb_oct16_decode(normal), dgb_velocity_at(layer, p), dgb_pack_past);
+    ivec2    texel  = ivec2(past.pixel);
+    int      shown  = dgb_past_layer(texel, past, dgb_pack_past);
+    vec3     albedo = dgb_storable(dgb_albedo_at(layer, p));
+    float    factor = dgb_pack_bounce.x * dgb_boost(albedo, dgb_pack_bounce.y, dgb_pack_bounce.z) / DGB_PI;
+    return shown < 0 ? vec3(0.0) : factor * albedo * dgb_last_irradiance_at(texel, shown).rgb;
+}
+#endif
+
+vec3 dgb_packed_radiance(int layer, ivec2 p, float z, vec2 normal) {
+    vec3 radiance = dgb_storable(dgb_radiance_at(layer, p));
+#if DGB_LAST_LIGHT
+    radiance = dgb_storable(radiance + dgb_bounced(layer, p, z, normal));
+#endif
+    return z != 0.0 ? radiance : vec3(0.0);
+}
 
 float dgb_packed_z(float z) { return z != 0.0 ? z : DGB_EMPTY_Z; }
 
@@ -97,7 +95,7 @@ void main() {
     dgb_out_z       = vec4(dgb_packed_z(z0), 0.0, 0.0, 0.0);
     dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);
 #if DGB_PACK_RADIANCE
-    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0), 1.0);
+    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0, dgb_out_normals.xy), 1.0);
 #endif
 #if DGB_LAYERS > 1
     float z1 = dgb_z_at(1, p);
@@ -106,7 +104,7 @@ void main() {
     dgb_out_z.y        = dgb_packed_z(z1);
     dgb_out_normals.zw = dgb_packed_normal(1, p, z1);
 #if DGB_PACK_RADIANCE
-    dgb_out_b1 = vec4(dgb_packed_radiance(1, p, z1), 1.0);
+    dgb_out_b1 = vec4(dgb_packed_radiance(1, p, z1, dgb_out_normals.zw), 1.0);
 #endif
 #endif
 }

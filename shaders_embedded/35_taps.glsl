@@ -25,8 +25,3 @@ dgb_tap dgb_tap_at(vec4 table, vec2 rotation, float reach, vec2 centre, ivec2 si
     tap.pixel = dgb_mip_source(tap.texel, tap.level);
     return tap;
 }
-
-#if DGB_LAYERS > 1
-// Centre of the deeper layer's texel that the pixel shows.
-vec2 dgb_deep_centre(ivec2 pixel) { return (vec2(pixel / DGB_DIVISOR) + 0.5) * float(DGB_DIVISOR); }
-#endif

@@ -42,7 +42,7 @@ void main() {
         float   a2    = dgb_occlusion_squared(ray_z, ray_1, zs.x, z, n);
 #if DGB_LAYERS > 1
 #if DGB_DIVISOR > 1
-        at    = dgb_deep_centre(tap.pixel);
+        at    = dgb_centre(1, tap.pixel);
         ray_z = at * dgb_ao_camera.position_z.xy + dgb_ao_camera.position_z.zw;
         ray_1 = at * dgb_ao_camera.position_1.xy + (dgb_ao_camera.position_1.zw - x.xy);
 #endif

@@ -1,5 +1,6 @@
 // Radiosity: Equations 4 and 5 of the paper over one or two layers of senders. A tap beyond the buffer finds none: with the
-// border in its place, what stands there would send again and again.
+// border in its place, what stands there would send again and again. Deep: the second layer receives as well, from the same taps
+// (section 3.3).
 
 layout(std140) uniform dgb_gather_block {
     dgb_camera dgb_gather_camera;
@@ -17,67 +18,119 @@ uniform sampler2D dgb_b1;
 #endif
 
 layout(location = 0) out vec4 dgb_out_irradiance;
-
-// Cosine of what the surface at depth z on the ray through a tap sends; 0 when it is too far (as an empty texel is), behind, or
-// faces away. ray_1 is relative to the shaded point's x, y.
-float dgb_sender(vec2 ray_z, vec2 ray_1, float z, float shaded_z, vec3 n, vec2 sender_normal) {
-    vec3  v      = vec3(ray_z * z + ray_1, z - shaded_z);
-    float cosine = dgb_gather_term(v, n, dgb_gather_radius.y);
-#if DGB_NORMAL_TEST
-    if (!(dot(v, dgb_oct16_decode(sender_normal)) < 0.0)) cosine = 0.0;
+#if DGB_DEEP
+layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
-    return cosine;
+
+struct dgb_receiver {
+    vec3  x, n;
+    vec3  light;
+    float cosines, senders, useful_taps;
+};
+
+// A surface that a tap finds. weight: 0 for what must not count.
+struct dgb_sender {
+    vec3  y, n, radiance;
+    float weight;
+};
+
+// Cosine of what a sender sends; 0 when it is too far (as an empty texel is), behind, or faces away.
+float dgb_received(dgb_sender s, dgb_receiver r) {
+    vec3  v      = s.y - r.x;
+    float cosine = dgb_gather_term(v, r.n, dgb_gather_radius.y);
+#if DGB_NORMAL_TEST
+    if (!(dot(v, s.n) < 0.0)) cosine = 0.0;
+#endif
+    return s.weight * cosine;
+}
+
+void dgb_add(inout dgb_receiver r, float cosine, vec3 light) {
+    r.light += light;
+    r.cosines += cosine;
+    r.senders += cosine > 0.0 ? 1.0 : 0.0;
+}
+
+#if DGB_LAYERS > 1
+void dgb_receive(inout dgb_receiver r, dgb_sender s0, dgb_sender s1) {
+    float c0 = dgb_received(s0, r), c1 = dgb_received(s1, r);
+    vec3  l0 = s0.radiance * c0, l1 = s1.radiance * c1;
+    r.useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;
+#if DGB_STRONGEST_SENDER
+    bool first = c1 == 0.0 || (c0 > 0.0 && dot(l0, vec3(1.0)) >= dot(l1, vec3(1.0)));
+    dgb_add(r, first ? c0 : c1, first ? l0 : l1);
+#else
+    dgb_add(r, c0, l0);
+    dgb_add(r, c1, l1);
+#endif
+}
+#else
+void dgb_receive(inout dgb_receiver r, dgb_sender s) {
+    float cosine = dgb_received(s, r);
+    r.useful_taps += cosine > 0.0 ? 1.0 : 0.0;
+    dgb_add(r, cosine, s.radiance * cosine);
+}
+#endif
+
+dgb_receiver dgb_receiver_at(vec2 pixel, float z, vec2 normal) {
+    dgb_receiver r;
+    r.x = dgb_position(pixel, z, dgb_gather_camera);
+    r.n = dgb_oct16_decode(normal);
+    r.light = vec3(0.0);
+    r.cosines = r.senders = r.useful_taps = 0.0;
+    return r;
+}
+
+dgb_sender dgb_sender_at(vec2 pixel, float z, vec2 normal, vec3 radiance, float weight) {
+    dgb_sender s;
+    s.y = dgb_position(pixel, z, dgb_gather_camera);
+#if DGB_NORMAL_TEST
+    s.n = dgb_oct16_decode(normal);
+#endif
+    s.radiance = radiance;
+    s.weight   = weight;
+    return s;
+}
+
+vec4 dgb_irradiance(dgb_receiver r, int taps) {
+    vec3 irradiance = r.light * dgb_gather_scale(r.cosines, r.senders, dgb_gather_radius.z);
+    return vec4(dgb_storable(irradiance), taps > 0 ? r.useful_taps / float(taps) : 0.0);
 }
 
 void main() {
-    ivec2 pixel    = ivec2(gl_FragCoord.xy);
-    float z        = texelFetch(dgb_z, pixel, 0).x;
-    vec3  x        = dgb_position(gl_FragCoord.xy, z, dgb_gather_camera);
-    vec3  n        = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
-    float reach    = min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
-    vec2  rotation = dgb_rotation(pixel, dgb_gather_size.w);
-    int   taps     = z > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;
-    vec3  light    = vec3(0.0);
-    float cosines = 0.0, senders = 0.0, useful_taps = 0.0;
+    ivec2        pixel    = ivec2(gl_FragCoord.xy);
+    vec2         z        = texelFetch(dgb_z, pixel, 0).xy;
+    vec4         normals  = texelFetch(dgb_normals, pixel, 0);
+    dgb_receiver r0       = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy);
+    float        reach    = min(dgb_pixels_per_metre(z.x, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
+    vec2         rotation = dgb_rotation(pixel, dgb_gather_size.w);
+    int          taps     = z.x > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;
+#if DGB_DEEP
+    dgb_receiver r1 = dgb_receiver_at(dgb_centre(1, pixel), z.y, normals.zw);
+#endif
     for (int i = 0; i < taps; ++i) {
-        dgb_tap tap   = dgb_tap_at(dgb_gather_taps[i], rotation, reach, gl_FragCoord.xy, dgb_gather_size.xy, dgb_gather_level);
-        vec2    at    = vec2(tap.pixel) + 0.5;
-        vec2    ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;
-        vec2    ray_1 = at * dgb_gather_camera.position_1.xy + (dgb_gather_camera.position_1.zw - x.xy);
-        float   other = tap.inside && tap.pixel != pixel ? 1.0 : 0.0;
-        vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;
+        dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], rotation, reach, gl_FragCoord.xy, dgb_gather_size.xy, dgb_gather_level);
+        float   weight = tap.inside && tap.pixel != pixel ? 1.0 : 0.0;
+        vec2    zs     = texelFetch(dgb_z, tap.texel, tap.level).xy;
+        vec3    b0     = texelFetch(dgb_b0, tap.texel, tap.level).rgb;
 #if DGB_NORMAL_TEST
-        vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);
+        vec4 ns = texelFetch(dgb_normals, tap.texel, tap.level);
 #else
-        vec4 normals = vec4(0.0);
+        vec4 ns = vec4(0.0);
 #endif
-        float c0 = other * dgb_sender(ray_z, ray_1, zs.x, z, n, normals.xy);
-        vec3  l0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb * c0;
+        dgb_sender s0 = dgb_sender_at(vec2(tap.pixel) + 0.5, zs.x, ns.xy, b0, weight);
 #if DGB_LAYERS > 1
-#if DGB_DIVISOR > 1
-        at    = dgb_deep_centre(tap.pixel);
-        ray_z = at * dgb_gather_camera.position_z.xy + dgb_gather_camera.position_z.zw;
-        ray_1 = at * dgb_gather_camera.position_1.xy + (dgb_gather_camera.position_1.zw - x.xy);
-#endif
-        float c1 = other * dgb_sender(ray_z, ray_1, zs.y, z, n, normals.zw);
-        vec3  l1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb * c1;
-        useful_taps += c0 + c1 > 0.0 ? 1.0 : 0.0;
-#if DGB_STRONGEST_SENDER
-        bool first = c1 == 0.0 || (c0 > 0.0 && dot(l0, vec3(1.0)) >= dot(l1, vec3(1.0)));
-        c0         = first ? c0 : c1;
-        l0         = first ? l0 : l1;
-#else
-        light += l1;
-        cosines += c1;
-        senders += c1 > 0.0 ? 1.0 : 0.0;
+        vec3       b1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb;
+        dgb_sender s1 = dgb_sender_at(dgb_centre(1, tap.pixel), zs.y, ns.zw, b1, weight);
+        dgb_receive(r0, s0, s1);
+#if DGB_DEEP
+        dgb_receive(r1, s0, s1);
 #endif
 #else
-        useful_taps += c0 > 0.0 ? 1.0 : 0.0;
+        dgb_receive(r0, s0);
 #endif
-        light += l0;
-        cosines += c0;
-        senders += c0 > 0.0 ? 1.0 : 0.0;
     }
-    vec3 irradiance    = light * dgb_gather_scale(cosines, senders, dgb_gather_radius.z);
-    dgb_out_irradiance = vec4(dgb_storable(irradiance), taps > 0 ? useful_taps / float(taps) : 0.0);
+    dgb_out_irradiance = dgb_irradiance(r0, taps);
+#if DGB_DEEP
+    dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, taps) : vec4(0.0);
+#endif
 }

@@ -537,12 +537,13 @@ static void test_divisor(void** state) {
     static const struct {
         dgb_pass_id pass;
         int places;
-    } users[] = {{DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}};
+    } users[] = {
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 1}};
     int divisor, i, k;
     size_t user;
     (void)state;
     for (divisor = 1; divisor <= 4; divisor *= 2) {
-        dgb_desc d = small_desc(2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+        dgb_desc d = small_desc(2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL);
         const dgb_plan whole = make_plan(&d);
         dgb_plan plan;
         int places = 0;

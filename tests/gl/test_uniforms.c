@@ -37,9 +37,16 @@ static const member draw_members[] = {CAMERA("dgb_draw_camera", dgb_draw_uniform
 
 static const member resolve_members[] = {VALUE("dgb_resolve_layer", dgb_resolve_uniforms, layer)};
 
-static const member pack_members[] = {
-    CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera), ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
-    VALUE("dgb_pack_separation", dgb_pack_uniforms, separation), VALUE("dgb_pack_size", dgb_pack_uniforms, size)};
+#define PAST(prefix, type)                                                                 \
+    CAMERA(prefix ".last", type, past.last), ARRAY(prefix ".to_last", type, past.to_last), \
+        VALUE(prefix ".tolerance", type, past.tolerance), VALUE(prefix ".rect", type, past.rect)
+
+static const member pack_members[] = {CAMERA("dgb_pack_camera", dgb_pack_uniforms, camera),
+                                      ARRAY("dgb_pack_rotation", dgb_pack_uniforms, rotation),
+                                      VALUE("dgb_pack_separation", dgb_pack_uniforms, separation),
+                                      VALUE("dgb_pack_size", dgb_pack_uniforms, size),
+                                      VALUE("dgb_pack_bounce", dgb_pack_uniforms, bounce),
+                                      PAST("dgb_pack_past", dgb_pack_uniforms)};
 
 static const member ao_members[] = {
     CAMERA("dgb_ao_camera", dgb_ao_uniforms, camera), VALUE("dgb_ao_size", dgb_ao_uniforms, size),
@@ -50,6 +57,10 @@ static const member gather_members[] = {
     CAMERA("dgb_gather_camera", dgb_gather_uniforms, camera), VALUE("dgb_gather_size", dgb_gather_uniforms, size),
     VALUE("dgb_gather_level", dgb_gather_uniforms, level), VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
     ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
+
+static const member temporal_members[] = {CAMERA("dgb_temporal_camera", dgb_temporal_uniforms, camera),
+                                          VALUE("dgb_temporal_weight", dgb_temporal_uniforms, weight),
+                                          PAST("dgb_temporal_past", dgb_temporal_uniforms)};
 
 static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),
                                              VALUE("dgb_reconstruct_rect", dgb_reconstruct_uniforms, rect),
@@ -73,12 +84,14 @@ typedef struct block {
 static const block draw_block = BLOCK(draw);
 
 static const block* block_of(dgb_pass_id pass) {
-    static const block blocks[] = {BLOCK(pack), BLOCK(ao), BLOCK(gather), BLOCK(reconstruct), BLOCK(resolve)};
+    static const block blocks[] = {BLOCK(pack),        BLOCK(ao),      BLOCK(gather),
+                                   BLOCK(reconstruct), BLOCK(resolve), BLOCK(temporal)};
     switch (pass) {
     case DGB_PASS_RESOLVE: return &blocks[4];
     case DGB_PASS_PACK: return &blocks[0];
     case DGB_PASS_AO: return &blocks[1];
     case DGB_PASS_GATHER: return &blocks[2];
+    case DGB_PASS_TEMPORAL: return &blocks[5];
     case DGB_PASS_RECONSTRUCT: return &blocks[3];
     default: return NULL; /* the MIP pass has no block */
     }
@@ -148,9 +161,10 @@ static void test_passes(void** state) {
     int layers, normals, effects, pass, seen[DGB_PASS_COUNT] = {0};
     (void)state;
     for (layers = 1; layers <= 2; ++layers)
-        for (effects = 1; effects <= 3; ++effects) {
+        for (effects = 1; effects <= 15; ++effects) {
             dgb_desc d = desc_of(layers);
             d.effects = (uint32_t)effects;
+            if ((effects & 6) == DGB_EFFECT_BOUNCES || !(effects & 3)) continue; /* nothing to bounce, nothing at all */
             d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
             check_programs(&d, seen);
             d.source = DGB_SOURCE_ENGINE;

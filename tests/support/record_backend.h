@@ -56,6 +56,7 @@ typedef struct record_uniforms {
         dgb_pack_uniforms pack;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
+        dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
     } u;
 } record_uniforms;

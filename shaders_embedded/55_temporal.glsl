@@ -1,0 +1,115 @@
+// Temporal filter: an exponentially weighted average along the motion of each surface, over ambient visibility, irradiance and
+// confidence (paper, section 3.3). History may come from either layer, wherever the surface was last frame. The first frames
+// weigh alike, so that a surface that has just come into view settles as fast as it can.
+
+layout(std140) uniform dgb_temporal_block {
+    dgb_camera       dgb_temporal_camera;
+    vec4             dgb_temporal_weight; // of history
+    dgb_reprojection dgb_temporal_past;
+};
+
+uniform sampler2D dgb_z;
+uniform sampler2D dgb_normals;
+uniform sampler2D dgb_last_frames;
+#if DGB_FILTER_AO
+uniform sampler2D dgb_ao_raw;
+#endif
+#if DGB_LAST_LIGHT
+uniform sampler2D dgb_irradiance_raw;
+#endif
+#if DGB_DEEP
+uniform sampler2D dgb_irradiance1_raw;
+#endif
+
+layout(location = 0) out vec4 dgb_out_frames; // ambient visibility and the frames averaged: of it, of layer 0, of layer 1
+#if DGB_LAST_LIGHT
+layout(location = 1) out vec4 dgb_out_irradiance;
+#endif
+#if DGB_DEEP
+layout(location = 2) out vec4 dgb_out_irradiance1;
+#endif
+
+const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history
+const float DGB_MOST_FRAMES = 64.0; // counted
+
+struct dgb_history {
+    vec4  irradiance;
+    float frames, share; // share: of the bilinear weights that the surface still has
+    float visibility, visibility_frames, visibility_share;
+};
+
+// Layers hand on irradiance to each other, but visibility exists for the first alone.
+void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) {
+    vec4 frames = texelFetch(dgb_last_frames, texel, 0);
+    if (shown < 0 || !(weight > 0.0)) return;
+    h.share += weight;
+    h.frames += weight * dgb_storable(shown == 1 ? frames.w : frames.z);
+#if DGB_LAST_LIGHT
+    h.irradiance += weight * dgb_last_irradiance_at(texel, shown);
+#endif
+    if (shown == 1) return;
+    h.visibility_share += weight;
+    h.visibility += weight * dgb_storable(frames.x);
+    h.visibility_frames += weight * dgb_storable(frames.y);
+}
+
+dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
+    vec2        at   = dgb_centre(layer, pixel);
+    vec3        x    = dgb_position(at, z, dgb_temporal_camera);
+    dgb_past    past = dgb_past_of(at, x, dgb_oct16_decode(normal), dgb_velocity_at(layer, pixel), dgb_temporal_past);
+    vec2        low  = floor(past.pixel - 0.5), part = past.pixel - 0.5 - low;
+    dgb_history h;
+    h.irradiance = vec4(0.0);
+    h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;
+        ivec2 inside = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
+        vec2  weight = mix(1.0 - part, part, vec2(corner));
+        int   shown  = texel == inside ? dgb_past_layer(inside, past, dgb_temporal_past) : -1;
+        dgb_add_history(h, inside, shown, weight.x * weight.y);
+    }
+    return h;
+}
+
+// Weight of an average of so many frames against one frame more.
+float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }
+
+float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
+
+vec4 dgb_filtered(vec4 raw, inout dgb_history h) {
+    float share = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
+    h.frames *= share;
+    return mix(raw, h.irradiance * share, dgb_history_weight(h.frames));
+}
+
+void main() {
+    ivec2 pixel    = ivec2(gl_FragCoord.xy);
+    vec2  z        = texelFetch(dgb_z, pixel, 0).xy;
+    vec4  normals  = texelFetch(dgb_normals, pixel, 0);
+    dgb_out_frames = vec4(1.0, 0.0, 0.0, 0.0);
+
+    dgb_history h = dgb_history_of(0, pixel, z.x, normals.xy);
+#if DGB_LAST_LIGHT
+    vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);
+    vec4 filtered      = dgb_filtered(raw, h);
+    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;
+#else
+    dgb_filtered(vec4(0.0), h);
+#endif
+#if DGB_FILTER_AO
+    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;
+    h.visibility_frames *= share;
+    float open = texelFetch(dgb_ao_raw, pixel, 0).x;
+    open       = mix(open, h.visibility * share, dgb_history_weight(h.visibility_frames));
+    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open, dgb_one_more(h.visibility_frames));
+#endif
+    if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);
+
+#if DGB_DEEP
+    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);
+    vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);
+    vec4        deep    = dgb_filtered(raw1, h1);
+    dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? deep : raw1;
+    if (z.y > DGB_EMPTY_Z) dgb_out_frames.w = dgb_one_more(h1.frames);
+#endif
+}
