@@ -1365,8 +1365,10 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#if DGB_FILTER_IRRADIANCE\n"
     "layout(location = DGB_FILTER_AO) out vec4 dgb_out_irradiance;\n"
     "#endif\n"
-    "#if DGB_DEEP\n"
-    "layout(location = DGB_FILTER_AO + 1) out vec4 dgb_out_irradiance1;\n"
+    "#if DGB_DEEP && DGB_FILTER_AO\n"
+    "layout(location = 2) out vec4 dgb_out_irradiance1;\n"
+    "#elif DGB_DEEP\n"
+    "layout(location = 1) out vec4 dgb_out_irradiance1;\n"
     "#endif\n"
     "\n"
     "// Weight of the surface at y, with normal n2, for the one at x; i steps away.\n"
@@ -1427,8 +1429,8 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "        ivec2 p      = pixel + i * axis;\n"
     "        vec3  y      = dgb_position(dgb_centre(1, p), texelFetch(dgb_z, p, 0).y, dgb_reconstruct_camera);\n"
     "        float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).zw, i);\n"
-    "        total += weight;\n"
-    "        irradiance += weight * texelFetch(dgb_irradiance1_raw, p, 0);\n",
+    "        total += weight;\n",
+    "        irradiance += weight * texelFetch(dgb_irradiance1_raw, p, 0);\n"
     "    }\n"
     "    dgb_out_irradiance1 = vec4(dgb_storable(irradiance.rgb / total), irradiance.a / total);\n"
     "#endif\n"

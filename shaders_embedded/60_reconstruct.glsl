@@ -27,8 +27,10 @@ layout(location = 0) out vec4 dgb_out_ao;
 #if DGB_FILTER_IRRADIANCE
 layout(location = DGB_FILTER_AO) out vec4 dgb_out_irradiance;
 #endif
-#if DGB_DEEP
-layout(location = DGB_FILTER_AO + 1) out vec4 dgb_out_irradiance1;
+#if DGB_DEEP && DGB_FILTER_AO
+layout(location = 2) out vec4 dgb_out_irradiance1;
+#elif DGB_DEEP
+layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
 
 // Weight of the surface at y, with normal n2, for the one at x; i steps away.
