@@ -193,13 +193,15 @@ extern "C" {
 #define DGB_MAX_RADIANCE 64512.0f /* largest value of the 10-bit float, the narrowest channel stored to */
 #define DGB_MIN_COSINE 0.017f     /* light that grazes a receiver within the error of an Oct16 normal is not counted */
 #define DGB_ROTATION_COUNT 256    /* rotations of the spiral */
-#define DGB_AO_LOG2_Q 3           /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
-#define DGB_GATHER_LOG2_Q 4       /* radiosity taps within 2^4 = 16 pixels read level 0 */
-#define DGB_MAX_TARGETS 4         /* colour targets of one pass */
-#define DGB_MAX_INPUTS 14         /* textures read by one pass */
+#define DGB_TILE_SIZE 16          /* pixels along one side of a tile */
+#define DGB_REGION_SIZE 128
+#define DGB_AO_LOG2_Q 3     /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
+#define DGB_GATHER_LOG2_Q 4 /* radiosity taps within 2^4 = 16 pixels read level 0 */
+#define DGB_MAX_TARGETS 4   /* colour targets of one pass */
+#define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
 #define DGB_MAX_PROGRAMS 12
-#define DGB_MAX_PASSES 16
+#define DGB_MAX_PASSES 20
 #define DGB_MAX_TEXTURES 36
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
@@ -339,6 +341,7 @@ typedef enum dgb_format {
     DGB_FORMAT_RGBA16F,
     DGB_FORMAT_R32F,
     DGB_FORMAT_RG32F,
+    DGB_FORMAT_RGBA32F,
     DGB_FORMAT_R32UI,
     DGB_FORMAT_D16,
     DGB_FORMAT_D24,
@@ -347,49 +350,53 @@ typedef enum dgb_format {
 } dgb_format;
 
 /* Every texture there can be. X(enumerator, name): the name is that of the GLSL sampler without its dgb_ prefix. */
-#define DGB_SLOTS(X)                                                                                                \
-    /* layers: 2D arrays, one image a layer */                                                                      \
-    X(DGB_DEPTH, "depth")                                                                                           \
-    X(DGB_ALBEDO, "albedo")                                                                                         \
-    X(DGB_NORMAL, "normal")                                                                                         \
-    X(DGB_RADIANCE, "radiance")                                                                                     \
-    X(DGB_VELOCITY, "velocity")                                                                                     \
-    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                           \
-    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                              \
-    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                \
-    /* the engine's own layers: 2D textures */                                                                      \
-    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                           \
-    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                           \
-    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                                                         \
-    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                                                         \
-    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                                                     \
-    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                                                     \
-    X(DGB_ENGINE_ALBEDO0, "engine_albedo0")                                                                         \
-    X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                         \
-    X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                     \
-    X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                     \
-    /* packed shading input, with MIP levels */                                                                     \
-    X(DGB_Z, "z")                 /* camera z of both layers, DGB_EMPTY_Z where empty */                            \
-    X(DGB_NORMALS, "normals")     /* Oct16 of both layers */                                                        \
-    X(DGB_B0, "b0")               /* radiance of layer 0 */                                                         \
-    X(DGB_B1, "b1")               /* radiance of layer 1 */                                                         \
-    X(DGB_LAST_Z, "last_z")       /* z of last frame */                                                             \
-    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                           \
-    /* results: raw, averaged over frames, after the horizontal filter, final */                                    \
-    X(DGB_AO_RAW, "ao_raw")                                                                                         \
-    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                         \
-    X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                       \
-    X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */ \
-    X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                       \
-    X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                     \
-    X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                 \
-    X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                       \
-    X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                     \
-    X(DGB_AO_HALF, "ao_half")                                                                                       \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                       \
-    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                     \
-    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                            \
-    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                 \
+#define DGB_SLOTS(X)                                                                                                     \
+    /* layers: 2D arrays, one image a layer */                                                                           \
+    X(DGB_DEPTH, "depth")                                                                                                \
+    X(DGB_ALBEDO, "albedo")                                                                                              \
+    X(DGB_NORMAL, "normal")                                                                                              \
+    X(DGB_RADIANCE, "radiance")                                                                                          \
+    X(DGB_VELOCITY, "velocity")                                                                                          \
+    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                                \
+    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                   \
+    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                     \
+    /* the engine's own layers: 2D textures */                                                                           \
+    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                                \
+    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                                \
+    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                                                              \
+    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                                                              \
+    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                                                          \
+    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                                                          \
+    X(DGB_ENGINE_ALBEDO0, "engine_albedo0")                                                                              \
+    X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                              \
+    X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                          \
+    X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                          \
+    /* packed shading input, with MIP levels */                                                                          \
+    X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */                                     \
+    X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
+    X(DGB_B0, "b0")           /* radiance of layer 0 */                                                                  \
+    X(DGB_B1, "b1")           /* radiance of layer 1 */                                                                  \
+    X(DGB_LAST_Z, "last_z")   /* z of last frame */                                                                      \
+    /* tiles of 16 x 16 pixels, regions of 8 x 8 tiles: depth ranges of both layers; whether the second layer matters */ \
+    X(DGB_TILE_DEPTHS, "tile_depths")                                                                                    \
+    X(DGB_REGION_DEPTHS, "region_depths")                                                                                \
+    X(DGB_TILES, "tiles")         /* r: to occlusion, g: to light, b: is there */                                        \
+    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                                \
+    /* results: raw, averaged over frames, after the horizontal filter, final */                                         \
+    X(DGB_AO_RAW, "ao_raw")                                                                                              \
+    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                              \
+    X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                            \
+    X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */      \
+    X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                            \
+    X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                          \
+    X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
+    X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
+    X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
+    X(DGB_AO_HALF, "ao_half")                                                                                            \
+    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
+    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
+    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
+    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
     X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */
 
 typedef enum dgb_slot {
@@ -406,6 +413,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_PREDICT, /* PREDICT, DELAY: depth layers of the next pose */
     DGB_PASS_PACK,
     DGB_PASS_MIP,
+    DGB_PASS_TILES,
     DGB_PASS_AO,
     DGB_PASS_GATHER,
     DGB_PASS_TEMPORAL,
@@ -542,6 +550,8 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
     float history_floor;     /* or within this, m */
 
+    bool adaptive; /* skip the second layer in tiles where it cannot matter; the results are the same */
+
     int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
     int filter_step;        /* pixels from tap to tap, 1..8 */
     float normal_sharpness; /* 0 ignores normals */
@@ -668,10 +678,15 @@ typedef struct dgb_pack_uniforms {
     dgb_reprojection past;
 } dgb_pack_uniforms;
 
+typedef struct dgb_tiles_uniforms {
+    dgb_camera camera;
+    float radius[4]; /* of occlusion, of light (m); largest reach, 2^least level (pixels) */
+} dgb_tiles_uniforms;
+
 typedef struct dgb_ao_uniforms {
     dgb_camera camera;
     int32_t size[4];  /* buffer width and height, taps, frame */
-    int32_t level[4]; /* log2 q, min level, max level */
+    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
     float radius[4];  /* r (m), 1/r^2, beta (m), epsilon (m^2) */
     float scale[4];   /* pi / N, intensity, largest radius in pixels */
     float taps[DGB_MAX_TAPS][4];
@@ -680,7 +695,7 @@ typedef struct dgb_ao_uniforms {
 typedef struct dgb_gather_uniforms {
     dgb_camera camera;
     int32_t size[4];  /* buffer width and height, taps, frame */
-    int32_t level[4]; /* log2 q, min level, max level */
+    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
     float radius[4];  /* r (m), r^2, normaliser k, largest radius in pixels */
     float taps[DGB_MAX_TAPS][4];
 } dgb_gather_uniforms;
@@ -730,7 +745,7 @@ typedef struct dgb_plan_input {
 
 typedef struct dgb_plan_pass {
     dgb_pass_id id;
-    int level;   /* MIP: level written. RECONSTRUCT: 0 along x, 1 along y */
+    int level;   /* MIP: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
     int program; /* index into programs; -1 for LAYERS */
     int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
@@ -1257,6 +1272,7 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.history_weight = 0.85f;
     p.history_tolerance = 0.005f;
     p.history_floor = 0.01f;
+    p.adaptive = true;
     p.filter_taps = table[row].filter_taps;
     p.filter_step = 1;
     p.normal_sharpness = 4.0f;
@@ -1316,8 +1332,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict",  "pack",       "mip",
-                                        "ao",     "gather",  "temporal", "reconstruct"};
+    static const char* const names[] = {"layers", "resolve", "predict", "pack",     "mip",
+                                        "tiles",  "ao",      "gather",  "temporal", "reconstruct"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1326,8 +1342,8 @@ static const struct {
     const char* name;
     int bytes;
 } dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},      {"RG8", 2},  {"RGBA8", 4}, {"R11G11B10F", 4},
-                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"R32UI", 4},
-                                    {"D16", 2},   {"D24", 4},     {"D32F", 4}};
+                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"RGBA32F", 16},
+                                    {"R32UI", 4}, {"D16", 2},     {"D24", 4},  {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
@@ -1439,14 +1455,26 @@ static bool dgbi_has_prediction(dgb_oracle oracle) {
     return oracle == DGB_ORACLE_PREDICT || oracle == DGB_ORACLE_DELAY;
 }
 
+static int dgbi_units(int pixels, int unit) { return (pixels + unit - 1) / unit; }
+
+/* Width and height of a texture of the plan. */
+static void dgbi_texture_size(const dgb_plan* plan, dgb_slot slot, int size[2]) {
+    const int unit = slot == DGB_TILE_DEPTHS || slot == DGB_TILES ? DGB_TILE_SIZE
+                     : slot == DGB_REGION_DEPTHS                  ? DGB_REGION_SIZE
+                                                                  : 1;
+    size[0] = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : dgbi_units(plan->width, unit);
+    size[1] = slot == DGB_ROTATIONS ? 1 : dgbi_units(plan->height, unit);
+}
+
 static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
     dgb_texture_desc* t = &plan->textures[plan->texture_count++];
-    int level;
+    int level, size[2];
     DGB_ASSERT(plan->texture_count <= DGB_MAX_TEXTURES);
+    dgbi_texture_size(plan, slot, size);
     t->slot = slot;
     t->format = format;
-    t->width = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : plan->width;
-    t->height = slot == DGB_ROTATIONS ? 1 : plan->height;
+    t->width = size[0];
+    t->height = size[1];
     t->layers = layers;
     t->levels = levels;
     for (level = 0; level < levels; ++level)
@@ -1621,6 +1649,26 @@ static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
     }
 }
 
+/* Depth ranges of tiles, of regions, then what matters where. Needless where there is no second layer. */
+static void dgbi_plan_tiles(dgb_plan* plan) {
+    static const struct {
+        dgb_slot output;
+        dgb_format format;
+        dgb_slot inputs[2];
+    } steps[3] = {{DGB_TILE_DEPTHS, DGB_FORMAT_RGBA32F, {DGB_Z, DGB_SLOT_NONE}},
+                  {DGB_REGION_DEPTHS, DGB_FORMAT_RGBA32F, {DGB_TILE_DEPTHS, DGB_SLOT_NONE}},
+                  {DGB_TILES, DGB_FORMAT_RGBA8, {DGB_TILE_DEPTHS, DGB_REGION_DEPTHS}}};
+    int step;
+    for (step = 0; step < 3; ++step) {
+        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TILES, step, dgbi_add_program(plan, DGB_PASS_TILES));
+        dgbi_add_define(plan, "DGB_TILES_STEP", step);
+        dgbi_add_texture(plan, steps[step].output, steps[step].format, 0, 1);
+        dgbi_add_input(pass, steps[step].inputs[0]);
+        if (steps[step].inputs[1]) dgbi_add_input(pass, steps[step].inputs[1]);
+        dgbi_add_output(pass, steps[step].output);
+    }
+}
+
 static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_AO);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
@@ -1630,6 +1678,7 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_ROTATIONS);
+    if (w->layers > 1) dgbi_add_input(pass, DGB_TILES);
     dgbi_add_output(pass, DGB_AO_RAW);
 }
 
@@ -1653,6 +1702,7 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
     dgbi_add_input(pass, DGB_B0);
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
     dgbi_add_input(pass, DGB_ROTATIONS);
+    if (w->layers > 1) dgbi_add_input(pass, DGB_TILES);
     dgbi_add_output(pass, DGB_IRRADIANCE_RAW);
     if (w->deep) dgbi_add_output(pass, DGB_IRRADIANCE1_RAW);
 }
@@ -1734,6 +1784,7 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
     dgbi_plan_pack(d, &wants, plan);
     dgbi_plan_mip(&wants, plan);
+    if (wants.layers > 1) dgbi_plan_tiles(plan);
     if (wants.ao) dgbi_plan_ao(d, &wants, plan);
     if (wants.light) dgbi_plan_gather(d, &wants, plan);
     if (wants.temporal) dgbi_plan_temporal(d, &wants, plan);
@@ -2352,10 +2403,11 @@ static void dgbi_fill_size(const dgb_context* c, const dgb_params* q, int taps, 
     size[3] = averaged ? (int32_t)(c->frame & 0xffffffu) : 0;
 }
 
-static void dgbi_fill_level(const dgb_context* c, int log2_q, int min_level, int32_t level[4]) {
+static void dgbi_fill_level(const dgb_context* c, const dgb_params* q, int log2_q, int min_level, int32_t level[4]) {
     level[0] = log2_q;
     level[1] = dgbi_min(min_level, c->plan.levels - 1);
     level[2] = c->plan.levels - 1;
+    level[3] = !q->adaptive;
 }
 
 /* No tap is farther than the buffer's diagonal: beyond, every tap would land on the border. */
@@ -2363,11 +2415,21 @@ static float dgbi_max_reach(const dgb_context* c) {
     return sqrtf((float)c->plan.width * (float)c->plan.width + (float)c->plan.height * (float)c->plan.height);
 }
 
+static void dgbi_tiles_uniforms(const dgb_context* c, const dgb_params* q, dgb_tiles_uniforms* u) {
+    const int least = q->ao_min_level > q->min_level ? q->ao_min_level : q->min_level;
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    u->radius[0] = q->ao_radius;
+    u->radius[1] = q->radius;
+    u->radius[2] = dgbi_max_reach(c);
+    u->radius[3] = (float)(1 << least);
+}
+
 static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_fill_size(c, q, q->ao_samples, u->size);
-    dgbi_fill_level(c, DGB_AO_LOG2_Q, q->ao_min_level, u->level);
+    dgbi_fill_level(c, q, DGB_AO_LOG2_Q, q->ao_min_level, u->level);
     u->radius[0] = q->ao_radius;
     u->radius[1] = 1.0f / (q->ao_radius * q->ao_radius);
     u->radius[2] = q->ao_bias * q->ao_radius;
@@ -2382,7 +2444,7 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_fill_size(c, q, q->samples, u->size);
-    dgbi_fill_level(c, DGB_GATHER_LOG2_Q, q->min_level, u->level);
+    dgbi_fill_level(c, q, DGB_GATHER_LOG2_Q, q->min_level, u->level);
     u->radius[0] = q->radius;
     u->radius[1] = q->radius * q->radius;
     u->radius[2] = c->desc.normaliser == DGB_NORMALISER_BOUNDED ? 1.0f : 0.0f;
@@ -2420,6 +2482,7 @@ static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q,
 static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
     union {
         dgb_pack_uniforms pack;
+        dgb_tiles_uniforms tiles;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
         dgb_temporal_uniforms temporal;
@@ -2428,6 +2491,10 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     size_t size = 0;
     switch (pass->id) {
     case DGB_PASS_PACK: dgbi_pack_uniforms(c, q, &u.pack), size = sizeof u.pack; break;
+    case DGB_PASS_TILES:
+        if (pass->level < 2) return; /* they only look for extremes */
+        dgbi_tiles_uniforms(c, q, &u.tiles), size = sizeof u.tiles;
+        break;
     case DGB_PASS_AO: dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao; break;
     case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
     case DGB_PASS_TEMPORAL: dgbi_temporal_uniforms(c, q, &u.temporal), size = sizeof u.temporal; break;
@@ -2449,6 +2516,9 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
         rect[0] = rect[1] = 0;
         rect[2] = c->plan.width >> level;
         rect[3] = c->plan.height >> level;
+    } else if (pass->id == DGB_PASS_TILES) {
+        rect[0] = rect[1] = 0;
+        dgbi_texture_size(&c->plan, pass->outputs[0], rect + 2);
     } else {
         dgbi_shaded_rect(c, q, rect);
     }
@@ -2500,6 +2570,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
         if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
+        if (pass->id == DGB_PASS_TILES && !params->adaptive) continue;
         if (pass[-(i > 0)].id != pass->id || i == 0) dgbi_marker(context, pass->id, true);
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);

@@ -25,3 +25,12 @@ dgb_tap dgb_tap_at(vec4 table, vec2 rotation, float reach, vec2 centre, ivec2 si
     tap.pixel = dgb_mip_source(tap.texel, tap.level);
     return tap;
 }
+
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_tiles;
+
+// Whether the second layer matters to occlusion, to light, and is there, in the pixel's tile; all: as if it did everywhere.
+bvec3 dgb_tile_at(ivec2 pixel, bool all) {
+    return greaterThan(texelFetch(dgb_tiles, pixel >> 4, 0).rgb + vec3(all), vec3(0.0));
+}
+#endif

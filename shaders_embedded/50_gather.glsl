@@ -5,7 +5,7 @@
 layout(std140) uniform dgb_gather_block {
     dgb_camera dgb_gather_camera;
     ivec4      dgb_gather_size;   // buffer width, height, taps, frame
-    ivec4      dgb_gather_level;  // log2 q, min level, max level
+    ivec4      dgb_gather_level;  // log2 q, min level, max level, 1: the second layer matters everywhere
     vec4       dgb_gather_radius; // r (m), r^2, normaliser k, largest reach (pixels)
     vec4       dgb_gather_taps[DGB_MAX_TAPS];
 };
@@ -63,13 +63,13 @@ void dgb_receive(inout dgb_receiver r, dgb_sender s0, dgb_sender s1) {
     dgb_add(r, c1, l1);
 #endif
 }
-#else
+#endif
+
 void dgb_receive(inout dgb_receiver r, dgb_sender s) {
     float cosine = dgb_received(s, r);
     r.useful_taps += cosine > 0.0 ? 1.0 : 0.0;
     dgb_add(r, cosine, s.radiance * cosine);
 }
-#endif
 
 dgb_receiver dgb_receiver_at(vec2 pixel, float z, vec2 normal) {
     dgb_receiver r;
@@ -96,39 +96,60 @@ vec4 dgb_irradiance(dgb_receiver r, int taps) {
     return vec4(dgb_storable(irradiance), taps > 0 ? r.useful_taps / float(taps) : 0.0);
 }
 
-void main() {
-    ivec2        pixel    = ivec2(gl_FragCoord.xy);
-    vec2         z        = texelFetch(dgb_z, pixel, 0).xy;
-    vec4         normals  = texelFetch(dgb_normals, pixel, 0);
-    dgb_receiver r0       = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy);
-    float        reach    = min(dgb_pixels_per_metre(z.x, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
-    vec2         rotation = dgb_rotation(pixel, dgb_gather_size.w);
-    int          taps     = z.x > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;
-#if DGB_DEEP
-    dgb_receiver r1 = dgb_receiver_at(dgb_centre(1, pixel), z.y, normals.zw);
-#endif
-    for (int i = 0; i < taps; ++i) {
-        dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], rotation, reach, gl_FragCoord.xy, dgb_gather_size.xy, dgb_gather_level);
-        float   weight = tap.inside && tap.pixel != pixel ? 1.0 : 0.0;
-        vec2    zs     = texelFetch(dgb_z, tap.texel, tap.level).xy;
-        vec3    b0     = texelFetch(dgb_b0, tap.texel, tap.level).rgb;
+struct dgb_shaded {
+    ivec2 pixel;
+    float reach; // pixels
+    vec2  rotation;
+};
+
+// What tap i finds, for the first layer's receiver and, if `deep`, the second's. second: look at second-layer senders. Both are
+// constant wherever this is called.
+void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_receiver r0, inout dgb_receiver r1) {
+    dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], s.rotation, s.reach, vec2(s.pixel) + 0.5, dgb_gather_size.xy, dgb_gather_level);
+    float   weight = tap.inside && tap.pixel != s.pixel ? 1.0 : 0.0;
+    vec2    zs     = texelFetch(dgb_z, tap.texel, tap.level).xy;
+    vec3    b0     = texelFetch(dgb_b0, tap.texel, tap.level).rgb;
 #if DGB_NORMAL_TEST
-        vec4 ns = texelFetch(dgb_normals, tap.texel, tap.level);
+    vec4 ns = texelFetch(dgb_normals, tap.texel, tap.level);
 #else
-        vec4 ns = vec4(0.0);
+    vec4 ns = vec4(0.0);
 #endif
-        dgb_sender s0 = dgb_sender_at(vec2(tap.pixel) + 0.5, zs.x, ns.xy, b0, weight);
+    dgb_sender s0 = dgb_sender_at(vec2(tap.pixel) + 0.5, zs.x, ns.xy, b0, weight);
 #if DGB_LAYERS > 1
+    if (second) {
         vec3       b1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb;
         dgb_sender s1 = dgb_sender_at(dgb_centre(1, tap.pixel), zs.y, ns.zw, b1, weight);
         dgb_receive(r0, s0, s1);
-#if DGB_DEEP
-        dgb_receive(r1, s0, s1);
-#endif
-#else
-        dgb_receive(r0, s0);
-#endif
+        if (deep) dgb_receive(r1, s0, s1);
+        return;
     }
+#endif
+    dgb_receive(r0, s0);
+}
+
+void main() {
+    dgb_shaded s;
+    s.pixel              = ivec2(gl_FragCoord.xy);
+    vec2         z       = texelFetch(dgb_z, s.pixel, 0).xy;
+    vec4         normals = texelFetch(dgb_normals, s.pixel, 0);
+    dgb_receiver r0      = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy), r1 = r0;
+    s.reach              = min(dgb_pixels_per_metre(z.x, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
+    s.rotation           = dgb_rotation(s.pixel, dgb_gather_size.w);
+    int taps             = z.x > DGB_EMPTY_Z && s.reach > 0.0 ? dgb_gather_size.z : 0;
+#if DGB_LAYERS > 1
+    // loops, not branches: every processor skips a loop that it does not run
+    bvec3 tile = dgb_tile_at(s.pixel, dgb_gather_level.w != 0);
+    bool  deep = false;
+#if DGB_DEEP
+    deep = tile.z;
+    if (deep) r1 = dgb_receiver_at(dgb_centre(1, s.pixel), z.y, normals.zw);
+    for (int i = 0; i < (deep ? taps : 0); ++i) dgb_gather_tap(i, s, true, true, r0, r1);
+#endif
+    for (int i = 0; i < (!deep && tile.y ? taps : 0); ++i) dgb_gather_tap(i, s, true, false, r0, r1);
+    for (int i = 0; i < (!deep && !tile.y ? taps : 0); ++i) dgb_gather_tap(i, s, false, false, r0, r1);
+#else
+    for (int i = 0; i < taps; ++i) dgb_gather_tap(i, s, false, false, r0, r1);
+#endif
     dgb_out_irradiance = dgb_irradiance(r0, taps);
 #if DGB_DEEP
     dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, taps) : vec4(0.0);

@@ -61,7 +61,7 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
     dgb_history h;
     h.irradiance = vec4(0.0);
     h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = past.tolerance < 0.0 || !(z > DGB_EMPTY_Z) ? 4 : 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;
         ivec2 inside = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
         vec2  weight = mix(1.0 - part, part, vec2(corner));

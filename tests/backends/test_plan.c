@@ -417,7 +417,7 @@ static void test_160_bits(void** state) {
 
 /* 16384 x 16384 x 8 layers: 2^28 pixels, 2^31 texels a target, 2^33 bytes each; nothing may wrap. */
 static void test_bytes_of_the_largest(void** state) {
-    const uint64_t pixels = (uint64_t)1 << 28;
+    const uint64_t pixels = (uint64_t)1 << 28, tiles = pixels >> 8, regions = pixels >> 14;
     dgb_desc d = small_desc(8, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
     dgb_plan plan;
     uint64_t chain = 0;
@@ -430,8 +430,9 @@ static void test_bytes_of_the_largest(void** state) {
     assert_true(bytes_of(&plan, DGB_ALBEDO) == pixels * 32);
     assert_true(bytes_of(&plan, DGB_ORACLE) == pixels * 32);
     /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
-       rotations */
-    assert_true(plan.bytes == 6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048);
+       rotations; two depth ranges and a class of each tile, a range of each region */
+    assert_true(plan.bytes ==
+                6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048 + 20 * tiles + 16 * regions);
 }
 
 /* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */

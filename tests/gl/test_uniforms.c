@@ -48,6 +48,9 @@ static const member pack_members[] = {CAMERA("dgb_pack_camera", dgb_pack_uniform
                                       VALUE("dgb_pack_bounce", dgb_pack_uniforms, bounce),
                                       PAST("dgb_pack_past", dgb_pack_uniforms)};
 
+static const member tiles_members[] = {CAMERA("dgb_tiles_camera", dgb_tiles_uniforms, camera),
+                                       VALUE("dgb_tiles_radius", dgb_tiles_uniforms, radius)};
+
 static const member ao_members[] = {
     CAMERA("dgb_ao_camera", dgb_ao_uniforms, camera), VALUE("dgb_ao_size", dgb_ao_uniforms, size),
     VALUE("dgb_ao_level", dgb_ao_uniforms, level),    VALUE("dgb_ao_radius", dgb_ao_uniforms, radius),
@@ -83,12 +86,15 @@ typedef struct block {
 
 static const block draw_block = BLOCK(draw);
 
-static const block* block_of(dgb_pass_id pass) {
-    static const block blocks[] = {BLOCK(pack),        BLOCK(ao),      BLOCK(gather),
-                                   BLOCK(reconstruct), BLOCK(resolve), BLOCK(temporal)};
-    switch (pass) {
+static const block* block_of(const dgb_program_desc* program) {
+    static const block blocks[] = {BLOCK(pack),    BLOCK(ao),       BLOCK(gather), BLOCK(reconstruct),
+                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles)};
+    /* the first steps of TILES have none */
+    if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
+    switch (program->pass) {
     case DGB_PASS_RESOLVE: return &blocks[4];
     case DGB_PASS_PACK: return &blocks[0];
+    case DGB_PASS_TILES: return &blocks[6];
     case DGB_PASS_AO: return &blocks[1];
     case DGB_PASS_GATHER: return &blocks[2];
     case DGB_PASS_TEMPORAL: return &blocks[5];
@@ -146,7 +152,7 @@ static void check_programs(const dgb_desc* d, int seen[DGB_PASS_COUNT]) {
     int i;
     assert_int_equal(dgb_init(&c, d), DGB_OK);
     for (i = 0; i < c.plan.program_count; ++i) {
-        const block* expected = block_of(c.plan.programs[i].pass);
+        const block* expected = block_of(&c.plan.programs[i]);
         const GLuint program = (GLuint)c.programs[i].id;
         GLint blocks = -1;
         glGetProgramiv(program, GL_ACTIVE_UNIFORM_BLOCKS, &blocks);

@@ -378,6 +378,7 @@ static size_t uniform_size(dgb_pass_id pass) {
     case DGB_PASS_PREDICT: return sizeof(dgb_draw_uniforms);
     case DGB_PASS_RESOLVE: return sizeof(int32_t[4]);
     case DGB_PASS_PACK: return sizeof(dgb_pack_uniforms);
+    case DGB_PASS_TILES: return sizeof(dgb_tiles_uniforms);
     case DGB_PASS_AO: return sizeof(dgb_ao_uniforms);
     case DGB_PASS_GATHER: return sizeof(dgb_gather_uniforms);
     case DGB_PASS_TEMPORAL: return sizeof(dgb_temporal_uniforms);

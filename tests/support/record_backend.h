@@ -54,6 +54,7 @@ typedef struct record_uniforms {
         dgb_draw_uniforms draw; /* LAYERS and PREDICT */
         int32_t resolve[4];
         dgb_pack_uniforms pack;
+        dgb_tiles_uniforms tiles;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
         dgb_temporal_uniforms temporal;

@@ -1,0 +1,215 @@
+/* Tiles: skipping the second layer where it cannot matter changes no bit of any result, and skips something. */
+#include "gl_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static fixture f;
+
+enum { ALL_EFFECTS = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL };
+
+typedef struct setup {
+    int width, height, guard, divisor;
+    uint32_t effects;
+    dgb_senders senders;
+    fixture_view view;
+    dgb_params params;
+} setup;
+
+static setup default_setup(void) {
+    setup s;
+    memset(&s, 0, sizeof s);
+    s.width = 333;
+    s.height = 187;
+    s.guard = 16;
+    s.effects = ALL_EFFECTS;
+    s.view = fixture_default_view();
+    s.params = dgb_preset(DGB_PRESET_BALANCED);
+    return s;
+}
+
+static dgb_context open(const setup* s) {
+    dgb_context c;
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = s->width;
+    d.height = s->height;
+    d.guard_band = s->guard;
+    d.divisor = s->divisor;
+    d.effects = s->effects;
+    d.senders = s->senders;
+    d.reversed = s->view.reversed;
+    d.clip = s->view.clip;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    return c;
+}
+
+/* Three frames of a moving camera. */
+static void run(dgb_context* c, const setup* s, bool adaptive) {
+    fixture_view v = s->view;
+    dgb_params q = s->params;
+    fixture_draw_user user;
+    int frame;
+    memset(&user, 0, sizeof user);
+    user.f = &f;
+    user.program = fixture_program(c);
+    q.adaptive = adaptive;
+    for (frame = 0; frame < 3; ++frame) {
+        dgb_view view;
+        v.eye[0] += 0.05f;
+        view = fixture_dgb_view(&v, s->width, s->height);
+        assert_int_equal(dgb_build(c, &view, &q, fixture_draw, &user), DGB_OK);
+        assert_int_equal(dgb_shade(c, &q), DGB_OK);
+    }
+    glDeleteProgram(user.program);
+}
+
+static float* read_tiles(const dgb_context* c, int* count) {
+    const int width = (c->plan.width + DGB_TILE_SIZE - 1) / DGB_TILE_SIZE,
+              height = (c->plan.height + DGB_TILE_SIZE - 1) / DGB_TILE_SIZE;
+    *count = width * height;
+    return fixture_read(dgb_get_texture(c, DGB_TILES), 0, 0, width, height, 0, GL_RGBA, 4);
+}
+
+/* Pixels of the shaded rectangle in which two contexts' images differ. */
+static int differing(const dgb_context* a, const dgb_context* b, const dgb_params* q, dgb_slot slot, int channels) {
+    const GLenum format = channels == 1 ? GL_RED : GL_RGBA;
+    const int width = a->plan.width, height = a->plan.height;
+    const int inset = a->desc.guard_band - (int)((float)a->desc.guard_band * q->guard_fraction + 0.5f);
+    float *x, *y;
+    int i, j, count = 0;
+    if (!dgb_get_texture(a, slot).id) return 0;
+    x = fixture_read(dgb_get_texture(a, slot), 0, 0, width, height, 0, format, channels);
+    y = fixture_read(dgb_get_texture(b, slot), 0, 0, width, height, 0, format, channels);
+    for (j = inset; j < height - inset; ++j)
+        for (i = inset; i < width - inset; ++i) {
+            const size_t at = (size_t)(j * width + i) * (size_t)channels;
+            count += memcmp(x + at, y + at, (size_t)channels * sizeof(float)) != 0;
+        }
+    free(x);
+    free(y);
+    return count;
+}
+
+/* Adds to skipped the share of tiles that need no second layer: for occlusion, for light, to receive. */
+static void compare(const char* name, const setup* s, double skipped[3]) {
+    dgb_context adaptive = open(s), whole = open(s);
+    float* tiles;
+    int count, i, k, wrong;
+    run(&adaptive, s, true);
+    run(&whole, s, false);
+    wrong = differing(&adaptive, &whole, &s->params, DGB_AO_RAW, 1) +
+            differing(&adaptive, &whole, &s->params, DGB_IRRADIANCE_RAW, 4) +
+            differing(&adaptive, &whole, &s->params, DGB_IRRADIANCE1_RAW, 4) +
+            differing(&adaptive, &whole, &s->params, DGB_AO, 1) +
+            differing(&adaptive, &whole, &s->params, DGB_IRRADIANCE, 4) +
+            differing(&adaptive, &whole, &s->params, DGB_IRRADIANCE1, 4);
+    if (wrong) print_error("%s: %d pixels differ\n", name, wrong);
+    assert_int_equal(wrong, 0);
+    tiles = read_tiles(&adaptive, &count);
+    for (k = 0; k < 3; ++k) {
+        int zeros = 0;
+        for (i = 0; i < count; ++i) zeros += tiles[4 * i + k] == 0.0f;
+        skipped[k] += (double)zeros / count;
+    }
+    free(tiles);
+    dgb_shutdown(&adaptive);
+    dgb_shutdown(&whole);
+}
+
+static void test_radii(void** state) {
+    static const float radii[] = {0.02f, 0.2f, 0.7f, 2.0f, 50.0f};
+    double skipped[3] = {0.0, 0.0, 0.0};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof radii / sizeof radii[0]; ++i) {
+        setup s = default_setup();
+        char name[64];
+        s.params.ao_radius = radii[i];
+        s.params.radius = radii[sizeof radii / sizeof radii[0] - 1 - i];
+        snprintf(name, sizeof name, "radii %g and %g", (double)s.params.ao_radius, (double)s.params.radius);
+        compare(name, &s, skipped);
+    }
+    /* the room has a second layer almost everywhere, but the small radii reach it almost nowhere */
+    assert_true(skipped[0] > 1.0 && skipped[0] < 4.9);
+    assert_true(skipped[1] > 1.0 && skipped[1] < 4.9);
+    assert_true(skipped[2] < 4.9);
+}
+
+static void test_setups(void** state) {
+    double skipped[3] = {0.0, 0.0, 0.0};
+    setup s = default_setup();
+    (void)state;
+    s.params.min_level = s.params.ao_min_level = 5;
+    s.params.radius = 1.0f;
+    compare("coarse taps", &s, skipped);
+    s = default_setup();
+    s.divisor = 2;
+    compare("half resolution", &s, skipped);
+    s = default_setup();
+    s.senders = DGB_SENDERS_STRONGEST;
+    s.params.normal_test = false;
+    compare("strongest sender", &s, skipped);
+    s = default_setup();
+    s.view.fov = 0.0f;
+    compare("orthographic", &s, skipped);
+    s = default_setup();
+    s.view.reversed = true;
+    s.view.clip = DGB_CLIP_ZERO_TO_ONE;
+    s.view.far_plane = 0.0f;
+    compare("reversed", &s, skipped);
+    s = default_setup();
+    s.width = s.height = 17;
+    s.guard = 0;
+    compare("tiny", &s, skipped);
+    s = default_setup();
+    s.effects = DGB_EFFECT_AO;
+    compare("occlusion alone", &s, skipped);
+    s = default_setup();
+    s.effects = DGB_EFFECT_RADIOSITY;
+    compare("one bounce", &s, skipped);
+}
+
+/* Where there is no second layer at all, no tile wants one. */
+static void test_nothing_behind(void** state) {
+    double skipped[3] = {0.0, 0.0, 0.0};
+    setup s = default_setup();
+    (void)state;
+    s.params.separation = 1e4f;
+    compare("nothing behind", &s, skipped);
+    assert_true(skipped[0] == 1.0 && skipped[1] == 1.0 && skipped[2] == 1.0);
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_radii),
+        cmocka_unit_test(test_setups),
+        cmocka_unit_test(test_nothing_behind),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
