@@ -146,8 +146,12 @@ void main() {
     beginInvocationInterlockARB();
 #endif
     if (dgb_draw_layer.y > 1 && dgb_kept_second) dgb_compete(1);
-    for (int layer = 2; layer < DGB_LAYERS; ++layer) // a constant bound: it unrolls
+#if DGB_LAYERS > 2 // else a software rasteriser runs the loop's body once, for nothing
+    int layer = 2;
+    do {
         if (layer < dgb_draw_layer.y && dgb_kept_in(layer)) dgb_compete(layer);
+    } while (++layer < DGB_LAYERS);
+#endif
 #if DGB_INTERLOCK
     endInvocationInterlockARB();
 #endif
