@@ -500,7 +500,9 @@ static const char* const dgbgli_glsl_layers_vertex[] = { /* 11_layers_vertex.gls
     "\n"
     "out vec4      dgb_v_current;  // clip x, y in pixels times w; clip w; distance in metres\n"
     "out vec4      dgb_v_previous; // the same point's, one frame ago\n"
+    "#if !(DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE)\n"
     "flat out int  dgb_v_layer;\n"
+    "#endif\n"
     "\n"
     "int dgb_instance() { return gl_InstanceID / dgb_draw_layer.w; }\n"
     "\n"
@@ -511,7 +513,9 @@ static const char* const dgbgli_glsl_layers_vertex[] = { /* 11_layers_vertex.gls
     "    dgb_v_current  = vec4(clip.xy * scale, clip.w, dot(dgb_draw_distance.xyz, vec3(clip.zw, 1.0)));\n"
     "    dgb_v_previous = vec4(previous_clip.xy * scale, previous_clip.w,\n"
     "                          dot(dgb_draw_previous_distance.xyz, vec3(previous_clip.zw, 1.0)));\n"
-    "    dgb_v_layer    = dgb_draw_layer.x;\n"
+    "#if !(DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE)\n"
+    "    dgb_v_layer = dgb_draw_layer.x;\n"
+    "#endif\n"
     "#if DGB_EMISSION_VERTEX\n"
     "    dgb_v_layer += gl_InstanceID % dgb_draw_layer.w;\n"
     "    gl_Layer = dgb_v_layer; // ignored while layers are drawn one at a time\n"
@@ -531,6 +535,8 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "in vec4 dgb_v_previous;\n"
     "#if DGB_EMISSION_MULTICAST\n"
     "#define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)\n"
+    "#elif DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE\n"
+    "#define dgb_v_layer dgb_draw_layer.x // no varying: small triangles pay for each\n"
     "#else\n"
     "flat in int dgb_v_layer;\n"
     "#endif\n"
@@ -628,11 +634,11 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "    dgb_out_radiance = vec4(dgb_storable(radiance), 1.0);\n"
     "#endif\n"
     "#ifdef DGB_VELOCITY_LOCATION\n"
-    "    vec2 velocity    = dgb_velocity();\n"
+    "    vec2 velocity    = dgb_velocity();\n",
     "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
     "#endif\n"
     "}\n"
-    "\n",
+    "\n"
     "#if DGB_EMISSION_IMAGE\n"
     "// Image emission: the pipeline rasterises the first layer only; a fragment that a deeper layer would keep competes for it here,\n"
     "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n"
@@ -2414,6 +2420,7 @@ static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dg
     dgbgli_put_define(t, "DGB_DIVISOR", context->desc.divisor);
     dgbgli_put_define(t, "DGB_REVERSED", context->desc.reversed);
     dgbgli_put_define(t, "DGB_DEPTH_CODES", dgbgli_depth_codes(context->desc.depth_format));
+    dgbgli_put_define(t, "DGB_EMISSION_SEPARATE", emission == DGB_EMISSION_SEPARATE);
     dgbgli_put_define(t, "DGB_EMISSION_VERTEX", emission == DGB_EMISSION_VERTEX);
     dgbgli_put_define(t, "DGB_EMISSION_IMAGE", emission == DGB_EMISSION_IMAGE);
     dgbgli_put_define(t, "DGB_EMISSION_MULTICAST", emission == DGB_EMISSION_MULTICAST);

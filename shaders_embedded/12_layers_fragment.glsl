@@ -4,6 +4,8 @@ in vec4 dgb_v_current;
 in vec4 dgb_v_previous;
 #if DGB_EMISSION_MULTICAST
 #define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)
+#elif DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE
+#define dgb_v_layer dgb_draw_layer.x // no varying: small triangles pay for each
 #else
 flat in int dgb_v_layer;
 #endif
