@@ -32,17 +32,16 @@ vec2 dgb_velocity() {
     return dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z;
 }
 
-// Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than
-// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0
-// when nothing moves: then every oracle gives what peeling gives, bit for bit.
-//
-// Software rasterisers may read a uniform once a lane: what is known when the program is made is a constant here, and the size
-// is the texture's.
+// Some software rasterisers gather every uniform for every lane, so the keep test reads few: what is known when the program is
+// made is a constant, the size is the texture's.
 float dgb_oracle_z(float depth, dgb_camera camera) {
     camera.footprint.w = float(1 - DGB_REVERSED); // the empty depth
     return dgb_linear_z(dgb_depth_code(depth, float(DGB_DEPTH_CODES)), camera);
 }
 
+// Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than
+// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0
+// when nothing moves: then every oracle gives what peeling gives, bit for bit.
 bool dgb_kept_in(int layer) {
 #if DGB_LAYERS > 1
     vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer
