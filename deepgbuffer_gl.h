@@ -401,7 +401,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "float dgb_linear_z(float depth, dgb_camera camera) {\n"
     "    float t           = depth - camera.footprint.w;\n"
     "    float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);\n"
-    "    bool  perspective = camera.footprint.y != 0.0;\n"
+    "    bool  perspective = camera.linearise.w != 0.0; // footprint.y says the same, but is one uniform more to read\n"
     "    return abs(z) <= DGB_MAX_DISTANCE && t != 0.0 && (!perspective || z < 0.0) ? z : 0.0;\n"
     "}\n"
     "\n"
@@ -429,10 +429,10 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "// passes guarantee; dgb_ao_term below takes anything.\n"
     "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float d2 = dot(v, v);\n"
-    "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(v, n) - beta, 0.0);\n"
+    "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(v, n) - beta, 0.0);\n",
     "    return a * a / (d2 + epsilon);\n"
     "}\n"
-    "\n",
+    "\n"
     "float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float squared = dgb_ao_term_squared(v, n, inv_r2, beta, epsilon);\n"
     "    return squared > 0.0 && squared <= 1.0 ? sqrt(squared) : 0.0;\n"
@@ -506,18 +506,24 @@ static const char* const dgbgli_glsl_layers_vertex[] = { /* 11_layers_vertex.gls
     "#line 110001\n"
     "// Vertex part. Call dgb_vertex once, last; use dgb_instance() instead of gl_InstanceID.\n"
     "\n"
-    "out vec4      dgb_v_current;  // clip x, y, w and distance in metres\n"
+    "out vec4      dgb_v_current;  // clip x, y in pixels times w; clip w; distance in metres\n"
     "out vec4      dgb_v_previous; // the same point's, one frame ago\n"
+    "#if !(DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE)\n"
     "flat out int  dgb_v_layer;\n"
+    "#endif\n"
     "\n"
     "int dgb_instance() { return gl_InstanceID / dgb_draw_layer.w; }\n"
     "\n"
     "// clip: gl_Position of this frame; previous_clip: where the same point of the same object was last frame.\n"
     "void dgb_vertex(vec4 clip, vec4 previous_clip) {\n"
+    "    vec2 scale     = 0.5 * dgb_draw_size.xy;\n"
     "    gl_Position    = clip;\n"
-    "    dgb_v_current  = vec4(clip.xyw, dot(dgb_draw_distance.xyz, vec3(clip.zw, 1.0)));\n"
-    "    dgb_v_previous = vec4(previous_clip.xyw, dot(dgb_draw_previous_distance.xyz, vec3(previous_clip.zw, 1.0)));\n"
-    "    dgb_v_layer    = dgb_draw_layer.x;\n"
+    "    dgb_v_current  = vec4(clip.xy * scale, clip.w, dot(dgb_draw_distance.xyz, vec3(clip.zw, 1.0)));\n"
+    "    dgb_v_previous = vec4(previous_clip.xy * scale, previous_clip.w,\n"
+    "                          dot(dgb_draw_previous_distance.xyz, vec3(previous_clip.zw, 1.0)));\n"
+    "#if !(DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE)\n"
+    "    dgb_v_layer = dgb_draw_layer.x;\n"
+    "#endif\n"
     "#if DGB_EMISSION_VERTEX\n"
     "    dgb_v_layer += gl_InstanceID % dgb_draw_layer.w;\n"
     "    gl_Layer = dgb_v_layer; // ignored while layers are drawn one at a time\n"
@@ -537,6 +543,8 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "in vec4 dgb_v_previous;\n"
     "#if DGB_EMISSION_MULTICAST\n"
     "#define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)\n"
+    "#elif DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE\n"
+    "#define dgb_v_layer dgb_draw_layer.x // no varying: small triangles pay for each\n"
     "#else\n"
     "flat in int dgb_v_layer;\n"
     "#endif\n"
@@ -560,7 +568,14 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "// Pixels that this point moved since the last frame.\n"
     "vec2 dgb_velocity() {\n"
-    "    return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;\n"
+    "    return dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z;\n"
+    "}\n"
+    "\n"
+    "// Some software rasterisers gather every uniform for every lane, so the keep test reads few: what is known when the program is\n"
+    "// made is a constant, the size is the texture's.\n"
+    "float dgb_oracle_z(float depth, dgb_camera camera) {\n"
+    "    camera.footprint.w = float(1 - DGB_REVERSED); // the empty depth\n"
+    "    return dgb_linear_z(dgb_depth_code(depth, float(DGB_DEPTH_CODES)), camera);\n"
     "}\n"
     "\n"
     "// Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than\n"
@@ -569,18 +584,18 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "bool dgb_kept_in(int layer) {\n"
     "#if DGB_LAYERS > 1\n"
     "    vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer\n"
-    "    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w), dgb_draw_camera);\n"
+    "    float z     = dgb_oracle_z(gl_FragCoord.z, dgb_draw_camera);\n"
     "    if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {\n"
-    "        vec2 then = pixel - dgb_velocity();\n"
+    "        vec2 then = pixel - dgb_velocity(), size = vec2(textureSize(dgb_oracle, 0).xy);\n"
     "        // behind the previous eye or off its buffer: judged at its own pixel, as PREVIOUS does\n"
-    "        if (dgb_v_previous.z > 0.0 && then.x >= 0.0 && then.y >= 0.0 && then.x < dgb_draw_size.x && then.y < dgb_draw_size.y) {\n"
+    "        if (dgb_v_previous.z > 0.0 && then.x >= 0.0 && then.y >= 0.0 && then.x < size.x && then.y < size.y) {\n"
     "            pixel = then;\n"
     "            z -= dgb_v_previous.w - dgb_v_current.w;\n"
     "        }\n"
     "    }\n"
     "    ivec2 texel = ivec2(pixel) / (layer > 1 ? DGB_DIVISOR : 1);\n"
-    "    float front = dgb_depth_code(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_size.w);\n"
-    "    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);\n"
+    "    float front = dgb_oracle_z(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_previous);\n"
+    "    return dgb_keep_test(z, front, dgb_draw_size.z);\n"
     "#else\n"
     "    return true;\n"
     "#endif\n"
@@ -625,7 +640,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#ifdef DGB_RADIANCE_LOCATION\n"
     "    dgb_out_radiance = vec4(dgb_storable(radiance), 1.0);\n"
     "#endif\n"
-    "#ifdef DGB_VELOCITY_LOCATION\n"
+    "#ifdef DGB_VELOCITY_LOCATION\n",
     "    vec2 velocity    = dgb_velocity();\n"
     "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
     "#endif\n"
@@ -633,7 +648,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "#if DGB_EMISSION_IMAGE\n"
     "// Image emission: the pipeline rasterises the first layer only; a fragment that a deeper layer would keep competes for it here,\n"
-    "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n",
+    "// nearest depth bits first. Only after the engine's own main, so that what it discards stores nothing.\n"
     "layout(r32ui) coherent uniform uimage2DArray dgb_image_key;\n"
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "layout(rgba8) writeonly uniform image2DArray dgb_image_albedo;\n"
@@ -653,9 +668,9 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "void dgb_compete(int layer) {\n"
     "    ivec3 texel = ivec3(ivec2(gl_FragCoord.xy), layer);\n"
-    "    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w)); // positive floats sort as integers\n"
+    "    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, float(DGB_DEPTH_CODES))); // positive floats sort as integers\n"
     "    uint  nearest = imageLoad(dgb_image_key, texel - ivec3(0, 0, 1)).x;\n"
-    "    if (dgb_draw_flags.y != 0 ? key <= nearest : key >= nearest) return;\n"
+    "    if (DGB_REVERSED != 0 ? key <= nearest : key >= nearest) return;\n"
     "    imageStore(dgb_image_key, texel - ivec3(0, 0, 1), uvec4(key));\n"
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "    imageStore(dgb_image_albedo, texel, dgb_out_albedo);\n"
@@ -679,8 +694,12 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "    beginInvocationInterlockARB();\n"
     "#endif\n"
     "    if (dgb_draw_layer.y > 1 && dgb_kept_second) dgb_compete(1);\n"
-    "    for (int layer = 2; layer < DGB_LAYERS; ++layer) // a constant bound: it unrolls\n"
+    "#if DGB_LAYERS > 2 // else a software rasteriser runs the loop's body once, for nothing\n"
+    "    int layer = 2;\n"
+    "    do {\n"
     "        if (layer < dgb_draw_layer.y && dgb_kept_in(layer)) dgb_compete(layer);\n"
+    "    } while (++layer < DGB_LAYERS);\n"
+    "#endif\n"
     "#if DGB_INTERLOCK\n"
     "    endInvocationInterlockARB();\n"
     "#endif\n"
@@ -2879,6 +2898,11 @@ static void dgbgli_put_extensions(dgbgli_text* t, dgb_emission emission, const d
     }
 }
 
+/* As dgb_draw_uniforms.size[3]: what a fixed-point depth buffer can tell apart, less one. */
+static int dgbgli_depth_codes(dgb_format format) {
+    return format == DGB_FORMAT_D16 ? 65535 : format == DGB_FORMAT_D24 ? 16777215 : 0;
+}
+
 static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dgbgl_backend* b, dgbgl_stage stage) {
     const dgb_emission emission = context->plan.emission;
     dgbgli_put_version(t, b->version, b->es);
@@ -2886,6 +2910,9 @@ static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dg
     dgbgli_put_precision(t, b->es);
     dgbgli_put_define(t, "DGB_LAYERS", context->plan.layers);
     dgbgli_put_define(t, "DGB_DIVISOR", context->desc.divisor);
+    dgbgli_put_define(t, "DGB_REVERSED", context->desc.reversed);
+    dgbgli_put_define(t, "DGB_DEPTH_CODES", dgbgli_depth_codes(context->desc.depth_format));
+    dgbgli_put_define(t, "DGB_EMISSION_SEPARATE", emission == DGB_EMISSION_SEPARATE);
     dgbgli_put_define(t, "DGB_EMISSION_VERTEX", emission == DGB_EMISSION_VERTEX);
     dgbgli_put_define(t, "DGB_EMISSION_IMAGE", emission == DGB_EMISSION_IMAGE);
     dgbgli_put_define(t, "DGB_EMISSION_MULTICAST", emission == DGB_EMISSION_MULTICAST);

@@ -61,7 +61,7 @@ float dgb_depth_code(float depth, float codes) {
 float dgb_linear_z(float depth, dgb_camera camera) {
     float t           = depth - camera.footprint.w;
     float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);
-    bool  perspective = camera.footprint.y != 0.0;
+    bool  perspective = camera.linearise.w != 0.0; // footprint.y says the same, but is one uniform more to read
     return abs(z) <= DGB_MAX_DISTANCE && t != 0.0 && (!perspective || z < 0.0) ? z : 0.0;
 }
 

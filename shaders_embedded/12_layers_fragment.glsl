@@ -4,6 +4,8 @@ in vec4 dgb_v_current;
 in vec4 dgb_v_previous;
 #if DGB_EMISSION_MULTICAST
 #define dgb_v_layer (dgb_draw_layer.y > 1 ? gl_Layer : dgb_draw_layer.x)
+#elif DGB_EMISSION_SEPARATE || DGB_EMISSION_IMAGE
+#define dgb_v_layer dgb_draw_layer.x // no varying: small triangles pay for each
 #else
 flat in int dgb_v_layer;
 #endif
@@ -27,7 +29,14 @@ layout(location = DGB_VELOCITY_LOCATION) out vec4 dgb_out_velocity;
 
 // Pixels that this point moved since the last frame.
 vec2 dgb_velocity() {
-    return (dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z) * 0.5 * dgb_draw_size.xy;
+    return dgb_v_current.xy / dgb_v_current.z - dgb_v_previous.xy / dgb_v_previous.z;
+}
+
+// Some software rasterisers gather every uniform for every lane, so the keep test reads few: what is known when the program is
+// made is a constant, the size is the texture's.
+float dgb_oracle_z(float depth, dgb_camera camera) {
+    camera.footprint.w = float(1 - DGB_REVERSED); // the empty depth
+    return dgb_linear_z(dgb_depth_code(depth, float(DGB_DEPTH_CODES)), camera);
 }
 
 // Whether this fragment belongs to a layer behind the first: it lies behind the layer before it, in the oracle, by more than
@@ -36,18 +45,18 @@ vec2 dgb_velocity() {
 bool dgb_kept_in(int layer) {
 #if DGB_LAYERS > 1
     vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer
-    float z     = dgb_linear_z(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w), dgb_draw_camera);
+    float z     = dgb_oracle_z(gl_FragCoord.z, dgb_draw_camera);
     if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {
-        vec2 then = pixel - dgb_velocity();
+        vec2 then = pixel - dgb_velocity(), size = vec2(textureSize(dgb_oracle, 0).xy);
         // behind the previous eye or off its buffer: judged at its own pixel, as PREVIOUS does
-        if (dgb_v_previous.z > 0.0 && then.x >= 0.0 && then.y >= 0.0 && then.x < dgb_draw_size.x && then.y < dgb_draw_size.y) {
+        if (dgb_v_previous.z > 0.0 && then.x >= 0.0 && then.y >= 0.0 && then.x < size.x && then.y < size.y) {
             pixel = then;
             z -= dgb_v_previous.w - dgb_v_current.w;
         }
     }
     ivec2 texel = ivec2(pixel) / (layer > 1 ? DGB_DIVISOR : 1);
-    float front = dgb_depth_code(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_size.w);
-    return dgb_keep_test(z, dgb_linear_z(front, dgb_draw_previous), dgb_draw_size.z);
+    float front = dgb_oracle_z(texelFetch(dgb_oracle, ivec3(texel, layer - 1), 0).r, dgb_draw_previous);
+    return dgb_keep_test(z, front, dgb_draw_size.z);
 #else
     return true;
 #endif
@@ -120,9 +129,9 @@ layout(pixel_interlock_ordered) in;
 
 void dgb_compete(int layer) {
     ivec3 texel = ivec3(ivec2(gl_FragCoord.xy), layer);
-    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, dgb_draw_size.w)); // positive floats sort as integers
+    uint  key = floatBitsToUint(dgb_depth_code(gl_FragCoord.z, float(DGB_DEPTH_CODES))); // positive floats sort as integers
     uint  nearest = imageLoad(dgb_image_key, texel - ivec3(0, 0, 1)).x;
-    if (dgb_draw_flags.y != 0 ? key <= nearest : key >= nearest) return;
+    if (DGB_REVERSED != 0 ? key <= nearest : key >= nearest) return;
     imageStore(dgb_image_key, texel - ivec3(0, 0, 1), uvec4(key));
 #ifdef DGB_ALBEDO_LOCATION
     imageStore(dgb_image_albedo, texel, dgb_out_albedo);
@@ -146,8 +155,12 @@ void main() {
     beginInvocationInterlockARB();
 #endif
     if (dgb_draw_layer.y > 1 && dgb_kept_second) dgb_compete(1);
-    for (int layer = 2; layer < DGB_LAYERS; ++layer) // a constant bound: it unrolls
+#if DGB_LAYERS > 2 // else a software rasteriser runs the loop's body once, for nothing
+    int layer = 2;
+    do {
         if (layer < dgb_draw_layer.y && dgb_kept_in(layer)) dgb_compete(layer);
+    } while (++layer < DGB_LAYERS);
+#endif
 #if DGB_INTERLOCK
     endInvocationInterlockARB();
 #endif
