@@ -461,7 +461,8 @@ DGB_API int dgb_spiral_turns(int n);
 DGB_API void dgb_spiral_tap(int i, int n, float tap[3]);
 /* Rotation `index` modulo 256 of a whole turn: {cos, sin}. The table that the shaders read. */
 DGB_API void dgb_rotation(int index, float cos_sin[2]);
-/* Which of the 256 rotations a pixel takes in a frame. Integer arithmetic only: the same everywhere. */
+/* Which of the 256 rotations a pixel takes in a frame: a hash of the pixel, and from frame to frame 159 / 256 of a turn more,
+   near the golden section, so that the frames of an average share out the circle. Integers only: the same everywhere. */
 DGB_API int dgb_pixel_hash(int x, int y, int frame);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
@@ -1057,10 +1058,10 @@ DGB_API void dgb_rotation(int index, float cos_sin[2]) {
 }
 
 DGB_API int dgb_pixel_hash(int x, int y, int frame) {
-    uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u ^ (uint32_t)frame * 0xcb1ab31fu;
+    uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u;
     h = (h ^ h >> 16) * 0x7feb352du;
     h = (h ^ h >> 15) * 0x846ca68bu;
-    return (int)(h >> 24);
+    return (int)(((h >> 24) + (uint32_t)frame * 159u) & 255u);
 }
 
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {

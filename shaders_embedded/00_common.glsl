@@ -37,10 +37,10 @@ float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_M
 vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }
 
 int dgb_pixel_hash(ivec2 pixel, int frame) {
-    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u ^ uint(frame) * 0xcb1ab31fu;
+    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;
     h      = (h ^ (h >> 16)) * 0x7feb352du;
     h      = (h ^ (h >> 15)) * 0x846ca68bu;
-    return int(h >> 24);
+    return int(((h >> 24) + uint(frame) * 159u) & 255u);
 }
 
 int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
@@ -122,6 +122,11 @@ float dgb_boost(vec3 albedo, float unsaturated, float saturated) {
     low = max(low, 0.0);
     return unsaturated + (saturated - unsaturated) * (high > low && high <= largest ? (high - low) / high : 0.0);
 }
+
+// Irradiance and its confidence are averaged with the confidence as weight: a pixel whose taps found nothing says nothing.
+vec4 dgb_weigh(vec4 irradiance) { return vec4(irradiance.rgb * irradiance.a, irradiance.a); }
+
+vec4 dgb_unweigh(vec4 weighed) { return vec4(weighed.a > 0.0 ? weighed.rgb / weighed.a : vec3(0.0), weighed.a); }
 
 float dgb_bilateral_weight(vec3 n, vec3 n2, vec3 dq, float normal_sharpness, float plane_sharpness) {
     float normal = max(1.0 - normal_sharpness * (1.0 - dot(n, n2)), 0.0);

@@ -45,7 +45,7 @@ void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) 
     h.share += weight;
     h.frames += weight * dgb_storable(shown == 1 ? frames.w : frames.z);
 #if DGB_LAST_LIGHT
-    h.irradiance += weight * dgb_last_irradiance_at(texel, shown);
+    h.irradiance += weight * dgb_weigh(dgb_last_irradiance_at(texel, shown));
 #endif
     if (shown == 1) return;
     h.visibility_share += weight;
@@ -79,7 +79,8 @@ float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
 vec4 dgb_filtered(vec4 raw, inout dgb_history h) {
     float share = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
     h.frames *= share;
-    return mix(raw, h.irradiance * share, dgb_history_weight(h.frames));
+    vec4 mean = dgb_unweigh(mix(dgb_weigh(raw), h.irradiance * share, dgb_history_weight(h.frames)));
+    return vec4(dgb_storable(mean.rgb), mean.a);
 }
 
 void main() {

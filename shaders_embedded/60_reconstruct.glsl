@@ -59,7 +59,7 @@ void main() {
     float ao = total * texelFetch(dgb_ao_raw, pixel, 0).x;
 #endif
 #if DGB_FILTER_IRRADIANCE
-    vec4 irradiance = total * texelFetch(dgb_irradiance_raw, pixel, 0);
+    vec4 irradiance = total * dgb_weigh(texelFetch(dgb_irradiance_raw, pixel, 0));
 #endif
     for (int i = first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) { // every tap but the centre
         ivec2 p      = pixel + i * axis;
@@ -70,14 +70,15 @@ void main() {
         ao += weight * texelFetch(dgb_ao_raw, p, 0).x;
 #endif
 #if DGB_FILTER_IRRADIANCE
-        irradiance += weight * texelFetch(dgb_irradiance_raw, p, 0);
+        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance_raw, p, 0));
 #endif
     }
 #if DGB_FILTER_AO
     dgb_out_ao = vec4(ao / total);
 #endif
 #if DGB_FILTER_IRRADIANCE
-    dgb_out_irradiance = vec4(dgb_storable(irradiance.rgb / total), irradiance.a / total);
+    irradiance         = dgb_unweigh(irradiance / total);
+    dgb_out_irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);
 #endif
 
 #if DGB_DEEP
@@ -86,14 +87,15 @@ void main() {
     x          = dgb_position(dgb_centre(1, pixel), z.y, dgb_reconstruct_camera);
     n          = dgb_oct16_decode(normals.zw);
     total      = dgb_reconstruct_weights[0].x;
-    irradiance = total * texelFetch(dgb_irradiance1_raw, pixel, 0);
+    irradiance = total * dgb_weigh(texelFetch(dgb_irradiance1_raw, pixel, 0));
     for (int i = empty ? last + 1 : first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) {
         ivec2 p      = pixel + i * axis;
         vec3  y      = dgb_position(dgb_centre(1, p), texelFetch(dgb_z, p, 0).y, dgb_reconstruct_camera);
         float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).zw, i);
         total += weight;
-        irradiance += weight * texelFetch(dgb_irradiance1_raw, p, 0);
+        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance1_raw, p, 0));
     }
-    dgb_out_irradiance1 = vec4(dgb_storable(irradiance.rgb / total), irradiance.a / total);
+    irradiance          = dgb_unweigh(irradiance / total);
+    dgb_out_irradiance1 = vec4(dgb_storable(irradiance.rgb), irradiance.a);
 #endif
 }

@@ -453,16 +453,24 @@ reference_filtered reference_reconstruct(const reference* r, const dgb_params* q
     neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1] = {{0.0, 0.0, NULL}};
     const int count = neighbours_of(r, q, &here, axis, rect, image, channels, taps);
     reference_filtered out;
-    double total = 0.0;
     int i, c;
     memset(&out, 0, sizeof out);
-    for (i = 0; i < count; ++i) total += taps[i].weight;
     for (c = 0; c < channels; ++c) {
+        double total = 0.0;
+        /* irradiance counts as much as its confidence, the fourth channel */
         for (i = 0; i < count; ++i)
-            if (taps[i].texel) out.value[c] += taps[i].weight * (double)taps[i].texel[c] / total;
+            total += taps[i].weight * (channels == 4 && c < 3 && taps[i].texel ? (double)taps[i].texel[3] : 1.0);
+        if (total == 0.0) continue;
+        for (i = 0; i < count; ++i) {
+            const double counts = channels == 4 && c < 3 && taps[i].texel ? (double)taps[i].texel[3] : 1.0;
+            if (taps[i].texel) out.value[c] += taps[i].weight * counts * (double)taps[i].texel[c] / total;
+        }
         out.error[c] = 16.0 * REFERENCE_EPSILON * fabs(out.value[c]);
-        for (i = 0; i < count; ++i)
-            if (taps[i].texel) out.error[c] += taps[i].error * fabs((double)taps[i].texel[c] - out.value[c]) / total;
+        for (i = 0; i < count; ++i) {
+            const double counts = channels == 4 && c < 3 && taps[i].texel ? (double)taps[i].texel[3] : 1.0;
+            if (taps[i].texel)
+                out.error[c] += taps[i].error * counts * fabs((double)taps[i].texel[c] - out.value[c]) / total;
+        }
     }
     return out;
 }

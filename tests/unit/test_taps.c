@@ -246,11 +246,10 @@ static void test_rotations_repeat(void** state) {
 /* The same in 64 bits: what GLSL's uint arithmetic does, and no other. */
 static int hash_oracle(int x, int y, int frame) {
     const uint64_t mask = 0xffffffffu;
-    uint64_t h = ((uint64_t)(int64_t)x * 0x8da6b343u & mask) ^ ((uint64_t)(int64_t)y * 0xd8163841u & mask) ^
-                 ((uint64_t)(int64_t)frame * 0xcb1ab31fu & mask);
+    uint64_t h = ((uint64_t)(int64_t)x * 0x8da6b343u & mask) ^ ((uint64_t)(int64_t)y * 0xd8163841u & mask);
     h = ((h ^ (h >> 16)) * 0x7feb352du) & mask;
     h = ((h ^ (h >> 15)) * 0x846ca68bu) & mask;
-    return (int)(h >> 24);
+    return (int)(((h >> 24) + (uint64_t)(int64_t)frame * 159u) & 255u);
 }
 
 static void test_hash_is_exact_and_total(void** state) {
@@ -314,15 +313,25 @@ static void test_hash_has_no_rows_or_columns(void** state) {
         }
 }
 
-static void test_hash_changes_with_the_frame(void** state) {
-    int frame, x, y;
+/* Any n frames in a row share out the circle: no gap is wider than three times the even share, and 256 frames take every
+   rotation once. */
+static void test_frames_share_the_circle(void** state) {
+    int n, first;
     (void)state;
-    for (frame = 1; frame <= 8; ++frame) {
-        int same = 0;
-        for (y = 0; y < 64; ++y)
-            for (x = 0; x < 64; ++x) same += dgb_pixel_hash(x, y, frame) == dgb_pixel_hash(x, y, frame - 1);
-        if (same > 4096 / 256 * 3) fail_msg("frame %d: %d of 4096 pixels keep their rotation", frame, same);
-    }
+    for (n = 2; n <= DGB_ROTATION_COUNT; ++n)
+        for (first = 0; first < 3; ++first) {
+            bool taken[DGB_ROTATION_COUNT] = {false};
+            int i, gap = 0, widest = 0, start;
+            for (i = 0; i < n; ++i) taken[dgb_pixel_hash(17, 4, first + i)] = true;
+            for (start = 0; !taken[start]; ++start) {}
+            for (i = 1; i <= DGB_ROTATION_COUNT; ++i) {
+                ++gap;
+                if (!taken[(start + i) % DGB_ROTATION_COUNT]) continue;
+                widest = gap > widest ? gap : widest;
+                gap = 0;
+            }
+            if (widest * n > 3 * DGB_ROTATION_COUNT) fail_msg("%d frames leave a gap of %d", n, widest);
+        }
 }
 
 /* >> MIP level */
@@ -457,7 +466,7 @@ int main(void) {
         cmocka_unit_test(test_hash_is_exact_and_total),
         cmocka_unit_test(test_hash_uses_all_rotations),
         cmocka_unit_test(test_hash_has_no_rows_or_columns),
-        cmocka_unit_test(test_hash_changes_with_the_frame),
+        cmocka_unit_test(test_frames_share_the_circle),
         cmocka_unit_test(test_level_around_powers_of_two),
         cmocka_unit_test(test_level_of_anything),
         cmocka_unit_test(test_chains_need_no_clamping),
