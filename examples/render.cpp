@@ -30,7 +30,7 @@ using glm::vec3;
 using Floats = std::vector<float>;
 using Picture = SceneRenderer::Picture;
 
-const Sun kDefaultSun{vec3(0.6f, 0.6f, 0.3f), 6.0f};
+const PunctualLight kDefaultSun = sun_light(vec3(0.6f, 0.6f, 0.3f), 6.0f);
 
 // ---- OpenGL context -------------------------------------------------------------------------------------
 
@@ -95,6 +95,14 @@ RenderCamera choose_camera(const Options& options, const Scene& scene) {
     }
     set_planes(scene, &camera);
     return camera;
+}
+
+// Those of the file, or else a sun, and what the command line adds.
+std::vector<PunctualLight> choose_lights(const Options& options, const Scene& scene) {
+    std::vector<PunctualLight> lights = scene.lights;
+    if (options.sun || lights.empty()) { lights.push_back(options.sun.value_or(kDefaultSun)); }
+    lights.insert(lights.end(), options.points.begin(), options.points.end());
+    return lights;
 }
 
 // ---- Output ---------------------------------------------------------------------------------------------
@@ -253,11 +261,10 @@ private:
     Options options_;
     Scene scene_;
     RenderCamera camera_;
-    Light light_;
     Context context_; // before everything that lives in it
     PassTimes times_, unread_times_;
     std::optional<GpuScene> gpu_scene_;
-    std::optional<ShadowMap> shadows_;
+    std::optional<SceneLights> lights_;
     // The second one has one layer where the first has more, and two where the first has one.
     std::optional<SceneRenderer> renderer_, other_;
 };
@@ -271,12 +278,11 @@ dgb_desc other_desc(dgb_desc desc) {
 }
 
 Run::Run(const Options& options)
-    : options_(options), scene_(load_scene(options.scene)),
-      camera_(choose_camera(options, scene_)), light_{options.sun.value_or(kDefaultSun), options.sky},
+    : options_(options), scene_(load_scene(options.scene)), camera_(choose_camera(options, scene_)),
       times_(options.profile), unread_times_(false) {
     open_context(&context_);
     gpu_scene_.emplace(scene_);
-    if (light_.sun.strength > 0.0f) { shadows_ = make_shadow_map(scene_, *gpu_scene_, light_.sun); }
+    lights_.emplace(scene_, *gpu_scene_, choose_lights(options, scene_));
     renderer_.emplace(renderer_desc(layers_desc(options), &times_));
     other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
 }
@@ -286,8 +292,8 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     desc.get_proc = headless_get_proc;
     desc.layers = layers;
     desc.scene = &*gpu_scene_;
-    desc.shadows = shadows_ ? &*shadows_ : nullptr;
-    desc.light = light_;
+    desc.lights = &*lights_;
+    desc.sky = options_.sky;
     desc.times = times;
     return desc;
 }
@@ -314,10 +320,8 @@ SceneFrame Run::frame_at(int frame, bool with_next) {
 
 void Run::render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times) {
     renderer->build(frame, options_.params);
-    if (shadows_) {
-        times->begin();
-        if (update_shadow_map(*gpu_scene_, renderer->drawn_pose(), &*shadows_)) { times->end("shadow"); }
-    }
+    times->begin();
+    if (lights_->update(renderer->drawn_pose())) { times->end("shadow"); }
     renderer->shade(options_.params);
 }
 
@@ -385,6 +389,9 @@ RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
     report.build = renderer_->draw_counts();
     report.vertices_shaded = renderer_->vertices_shaded();
     report.passes = times_.passes();
+    report.lights = lights_->lights();
+    report.map_size = lights_->map_size();
+    report.map_count = lights_->map_count();
     report.hash = fnv1a64(final_rgb.data(), final_rgb.size());
     return report;
 }

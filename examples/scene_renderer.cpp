@@ -22,10 +22,6 @@ const dgbgl_varying kVaryings[] = {{nullptr, "vec3", "v_normal"},
                                    {nullptr, "vec4", "v_color"}};
 constexpr int kVaryingCount = 4;
 
-// Shadow map texels by which a point is lifted off its surface before it is looked up. The filter reaches
-// 2 sqrt(2) texels: with more than that no plane shadows itself, however slanted, and depth needs no bias.
-constexpr float kNormalOffset = 3.5f;
-
 const char* const kMaterialVertex = R"(
 uniform mat4 u_view;
 uniform mat4 u_clip;          // from world
@@ -89,23 +85,20 @@ void main() {
 }
 )";
 
-// Adds the sun's light to a layer. The same value goes to a target of full precision in layer 0.
+// Behind kDirectLight. Adds the light of all lights to a layer. The same value goes to a target of full precision in
+// layer 0.
 const char* const kLightFragment = R"(
 const float PI = 3.14159265358979;
+const float BRIGHTEST = 32768.0; // W/m2/sr: twice that does not fit into a layer
 
 uniform sampler2DArray u_depth;
 uniform sampler2DArray u_albedo;
 uniform sampler2DArray u_normal;
-uniform sampler2DShadow u_shadow_map;
 uniform int u_layer;
 uniform float u_divisor; // of the layer's resolution
 uniform float u_empty_depth;
 uniform mat4 u_view;
 uniform mat4 u_world_from_buffer; // pixel, depth
-uniform mat4 u_shadow_from_world;
-uniform vec3 u_to_sun;
-uniform float u_strength;      // W/m2
-uniform float u_normal_offset; // metres: lifts a point off its own shadow
 
 layout(location = 0) out vec4 out_layer;
 layout(location = 1) out vec4 out_direct;
@@ -118,28 +111,15 @@ vec3 decode_normal(vec2 bytes) {
     return normalize(vec3(z < 0.0 ? folded : p, z));
 }
 
-// 3 x 3 comparisons, each filtered over 2 x 2 texels by the sampler.
-float sun_visibility(vec3 world) {
-    vec3 p = (u_shadow_from_world * vec4(world, 1.0)).xyz;
-    vec2 texel = 1.0 / vec2(textureSize(u_shadow_map, 0));
-    float lit = 0.0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) lit += texture(u_shadow_map, p + vec3(vec2(x, y) * texel, 0.0));
-    return lit / 9.0;
-}
-
 void main() {
     ivec3 at = ivec3(gl_FragCoord.xy, u_layer);
     float depth = texelFetch(u_depth, at, 0).r;
-    if (depth == u_empty_depth) discard;
     vec4 albedo = texelFetch(u_albedo, at, 0); // a: 0 unlit, 1 lit
+    if (depth == u_empty_depth || albedo.a == 0.0) discard;
     vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, at, 0).rg);
-    float cosine = dot(normal, u_to_sun);
-    if (cosine <= 0.0 || albedo.a == 0.0) discard;
-
     vec4 world = u_world_from_buffer * vec4(gl_FragCoord.xy * u_divisor, depth, 1.0);
-    float visibility = sun_visibility(world.xyz / world.w + normal * u_normal_offset);
-    out_layer = vec4(albedo.rgb / PI * (u_strength * cosine * visibility), 0.0);
+    vec3 radiance = albedo.rgb / PI * direct_irradiance(world.xyz / world.w, normal);
+    out_layer = vec4(min(radiance, BRIGHTEST), 0.0);
     out_direct = out_layer;
 }
 )";
@@ -311,7 +291,7 @@ GlObject SceneRenderer::make_layers_program(const char* what, const char* fragme
 void SceneRenderer::make_programs() {
     material_program_ = make_layers_program("material", kMaterialFragment);
     if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
-    light_program_ = make_fullscreen_program("light", kLightFragment);
+    light_program_ = make_fullscreen_program("light", std::string(kDirectLight) + kLightFragment);
     composite_program_ = make_fullscreen_program("composite", kCompositeFragment);
 }
 
@@ -430,21 +410,17 @@ void SceneRenderer::copy_emission() {
 void SceneRenderer::light_layers() {
     desc_.times->begin();
     copy_emission();
-    if (desc_.light.sun.strength > 0.0f) {
+    if (desc_.lights != nullptr && !desc_.lights->empty()) {
         const GLuint program = light_program_.name();
         glUseProgram(program);
         glBindVertexArray(no_vertices_.name());
         bind_layer(program, "u_depth", 0, texture(DGB_DEPTH));
         bind_layer(program, "u_albedo", 1, texture(DGB_ALBEDO));
         bind_layer(program, "u_normal", 2, texture(DGB_NORMAL));
-        bind_texture(program, "u_shadow_map", 3, GL_TEXTURE_2D, desc_.shadows->texture.name());
+        desc_.lights->bind(program, 3);
         set_uniform(program, "u_empty_depth", empty_depth());
         set_uniform(program, "u_view", view_);
         set_uniform(program, "u_world_from_buffer", world_from_buffer());
-        set_uniform(program, "u_shadow_from_world", desc_.shadows->from_world);
-        set_uniform(program, "u_to_sun", glm::normalize(desc_.light.sun.direction));
-        set_uniform(program, "u_strength", desc_.light.sun.strength);
-        set_uniform(program, "u_normal_offset", kNormalOffset * desc_.shadows->texel);
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         for (int layer = 0; layer < plan().layers; ++layer) {
@@ -480,7 +456,7 @@ void SceneRenderer::composite() {
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_guard", desc_.layers.guard_band);
     set_uniform(program, "u_empty_depth", empty_depth());
-    set_uniform(program, "u_sky", desc_.light.sky);
+    set_uniform(program, "u_sky", desc_.sky);
     draw_fullscreen();
     desc_.times->end("composite");
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene_gpu.hpp"
+#include "scene_lights.hpp"
 
 #include "deepgbuffer.h"
 #include "deepgbuffer_gl.h"
@@ -13,11 +14,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-struct Light {
-    Sun sun;
-    glm::vec3 sky{0.0f}; // the same radiance from everywhere, W/m2/sr
-};
 
 struct PassTime {
     std::string name;
@@ -48,8 +44,8 @@ struct RendererDesc { // what the pointers point to must outlive the renderer
     dgbgl_get_proc_fn get_proc = nullptr;
     dgb_desc layers{}; // without backend and log
     const GpuScene* scene = nullptr;
-    const ShadowMap* shadows = nullptr; // null only when there is no sun
-    Light light;
+    const SceneLights* lights = nullptr; // null: none
+    glm::vec3 sky{0.0f};                 // the same radiance from everywhere, W/m2/sr
     PassTimes* times = nullptr;
 };
 
@@ -66,7 +62,7 @@ public:
     SceneRenderer(const SceneRenderer&) = delete;
     SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-    // One frame, in two halves. The shadow map must show the pose drawn by the time of the second.
+    // One frame, in two halves. The lights must be where the pose drawn has them by the time of the second.
     void build(const SceneFrame& frame, const dgb_params& params);
     void shade(const dgb_params& params);
     // Both, for a scene in which nothing moves.
