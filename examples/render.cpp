@@ -11,6 +11,7 @@
 #include "render_options.hpp"
 #include "render_report.hpp"
 #include "scene.hpp"
+#include "scene_bake.hpp"
 #include "scene_renderer.hpp"
 
 #include <unistd.h>
@@ -250,6 +251,7 @@ public:
 private:
     RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
     std::shared_ptr<const GpuPose> pose_at(int frame);
+    Probe bake();
     SceneFrame frame_at(int frame, bool with_next);
     void render_frame(SceneRenderer* renderer, const SceneFrame& frame, PassTimes* times);
     std::vector<uint8_t> tone_mapped(const Floats& linear) const;
@@ -265,6 +267,7 @@ private:
     PassTimes times_, unread_times_;
     std::optional<GpuScene> gpu_scene_;
     std::optional<SceneLights> lights_;
+    std::optional<Probe> probe_; // where it is baked
     // The second one has one layer where the first has more, and two where the first has one.
     std::optional<SceneRenderer> renderer_, other_;
 };
@@ -283,6 +286,7 @@ Run::Run(const Options& options)
     open_context(&context_);
     gpu_scene_.emplace(scene_);
     lights_.emplace(scene_, *gpu_scene_, choose_lights(options, scene_));
+    if (options.probe == ProbeKind::cube) { probe_ = bake(); }
     renderer_.emplace(renderer_desc(layers_desc(options), &times_));
     other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
 }
@@ -293,7 +297,8 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     desc.layers = layers;
     desc.scene = &*gpu_scene_;
     desc.lights = &*lights_;
-    desc.sky = options_.sky;
+    desc.sky = options_.probe == ProbeKind::sky ? gradient_sky(options_.sky) : uniform_sky(options_.sky);
+    desc.probe = probe_ ? *probe_ : probe_of(desc.sky);
     desc.times = times;
     return desc;
 }
@@ -302,6 +307,13 @@ std::shared_ptr<const GpuPose> Run::pose_at(int frame) {
     if (scene_.animations.empty()) { return gpu_scene_->first_pose(); }
     pose(&scene_, options_.time + frame / options_.fps);
     return std::make_shared<GpuPose>(current_pose(scene_));
+}
+
+// At the eye, where the pictures are taken from: the middle of the scene may lie in a wall.
+Probe Run::bake() {
+    const std::shared_ptr<const GpuPose> pose = pose_at(0);
+    lights_->update(*pose);
+    return bake_probe(renderer_desc({}, &unread_times_), pose, camera_.eye, camera_.near_plane, camera_.far_plane);
 }
 
 // The future is known: the orbit and the animation just go on.
@@ -389,6 +401,8 @@ RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
     report.build = renderer_->draw_counts();
     report.vertices_shaded = renderer_->vertices_shaded();
     report.passes = times_.passes();
+    report.probe_kind = kProbeNames[int(options_.probe)];
+    report.probe = renderer_desc({}, nullptr).probe;
     report.lights = lights_->lights();
     report.map_size = lights_->map_size();
     report.map_count = lights_->map_count();

@@ -45,6 +45,9 @@ struct Dump {
     std::string name, file;
 };
 
+enum class ProbeKind { constant, sky, cube };
+inline const char* const kProbeNames[] = {"constant", "sky", "cube"};
+
 struct Options {
     std::string scene; // empty: the atrium
     std::string out;   // empty: no PNG files
@@ -66,6 +69,7 @@ struct Options {
     std::optional<PunctualLight> sun;  // none: the scene's default
     std::vector<PunctualLight> points; // what is added to the lights of the file
     glm::vec3 sky{0.15f, 0.2f, 0.25f};
+    ProbeKind probe = ProbeKind::constant;
     float exposure = 0.0f; // powers of two
     int frames = 8;
     float orbit = 0.0f; // degrees a frame
@@ -359,6 +363,14 @@ inline void add_picture(CLI::App* app, Options* o) {
         ->allow_extra_args(false);
     app->add_option_function<std::string>("--sky", text(parse_sky),
                                           "r,g,b: radiance from everywhere (default 0.15,0.2,0.25)");
+    add_choice<ProbeKind>(
+        app, "--probe",
+        {{kProbeNames[0], ProbeKind::constant}, {kProbeNames[1], ProbeKind::sky}, {kProbeNames[2], ProbeKind::cube}},
+        [=](ProbeKind probe) { o->probe = probe; },
+        "what comes from where no surface is known: constant (default), --sky from everywhere; sky, which is also what "
+        "is "
+        "seen there: --sky times 1.5 at the horizon, 0.75 at the zenith, 0.3 below; cube, the scene around the first "
+        "frame's eye, in direct light and two bounces of it, with --sky where it is open");
     app->add_option("--exposure", o->exposure, "powers of two, PNG only (default 0)")
         ->check(between(-30, 30, "-30 to 30"));
     app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")

@@ -21,7 +21,9 @@ struct RunReport {
     std::vector<PassTime> passes;
     std::vector<PunctualLight> lights; // where the last frame has them
     int map_size = 0, map_count = 0;   // of their shadow maps; texels along one side
-    uint64_t hash = 0;                 // of the final picture's 8-bit pixels
+    std::string probe_kind;
+    Probe probe{};
+    uint64_t hash = 0; // of the final picture's 8-bit pixels
 };
 
 namespace render_report {
@@ -119,6 +121,8 @@ inline std::string report_to_json(const RunReport& report) {
     json += "  \"emission\": " + quoted(dgb_emission_name(plan.emission)) + ",\n";
     json += "  \"lights\": " + array(report.lights, light_to_json) + ",\n";
     json += print("  \"shadow_maps\": {\"count\": %d, \"size\": %d},\n", report.map_count, report.map_size);
+    json += "  \"probe\": " + quoted(report.probe_kind) + ",\n";
+    json += "  \"probe_harmonics\": " + array(report.probe, vector_to_json) + ",\n";
     json += "  \"build\": " + build_to_json(report) + ",\n";
     json += "  \"passes\": " + array(report.passes, pass_to_json) + ",\n";
     json += "  \"textures\": " + array(textures_of(plan), texture_to_json) + ",\n";

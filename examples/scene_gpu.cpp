@@ -229,6 +229,10 @@ void set_uniform(GLuint program, const char* name, const mat4& value) {
     glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, glm::value_ptr(value));
 }
 
+void set_uniform(GLuint program, const char* name, const std::vector<vec3>& values) {
+    glUniform3fv(glGetUniformLocation(program, name), GLsizei(values.size()), glm::value_ptr(values[0]));
+}
+
 void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture) {
     set_uniform(program, name, unit);
     glActiveTexture(GLenum(GL_TEXTURE0 + unit));

@@ -60,6 +60,7 @@ void set_uniform(GLuint program, const char* name, int value);
 void set_uniform(GLuint program, const char* name, float value);
 void set_uniform(GLuint program, const char* name, glm::vec3 value);
 void set_uniform(GLuint program, const char* name, const glm::mat4& value);
+void set_uniform(GLuint program, const char* name, const std::vector<glm::vec3>& values);
 
 // Sets the sampler's unit and binds the texture there. The current program must hold the sampler.
 void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture);

@@ -4,6 +4,7 @@
 
 #include "scene_gpu.hpp"
 #include "scene_lights.hpp"
+#include "scene_probe.hpp"
 
 #include "deepgbuffer.h"
 #include "deepgbuffer_gl.h"
@@ -45,7 +46,8 @@ struct RendererDesc { // what the pointers point to must outlive the renderer
     dgb_desc layers{}; // without backend and log
     const GpuScene* scene = nullptr;
     const SceneLights* lights = nullptr; // null: none
-    glm::vec3 sky{0.0f};                 // the same radiance from everywhere, W/m2/sr
+    Sky sky;                             // what is seen where there is no surface,
+    Probe probe{};                       // and what a surface gets from where none is known
     PassTimes* times = nullptr;
 };
 
@@ -117,6 +119,8 @@ private:
     void composite();
     void collect_gpu_times();
     glm::mat4 world_from_buffer() const;
+    glm::mat4 rays_from_buffer() const;
+    glm::mat4 from_buffer(const glm::mat4& view) const;
     float empty_depth() const { return desc_.layers.reversed ? 0.0f : 1.0f; }
     bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
     GLuint texture(dgb_slot slot) const;

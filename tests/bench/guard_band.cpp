@@ -58,7 +58,8 @@ std::unique_ptr<SceneRenderer> make_renderer(int band, const GpuScene& scene, co
     desc.layers.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
     desc.scene = &scene;
     desc.lights = &lights;
-    desc.sky = glm::vec3(0.2f);
+    desc.sky = uniform_sky(glm::vec3(0.2f));
+    desc.probe = probe_of(desc.sky);
     desc.times = times;
     return std::make_unique<SceneRenderer>(desc);
 }

@@ -131,7 +131,8 @@ public:
         desc.layers.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
         desc.scene = &stage->gpu();
         desc.lights = &stage->lights();
-        desc.sky = glm::vec3(0.2f);
+        desc.sky = uniform_sky(glm::vec3(0.2f));
+        desc.probe = probe_of(desc.sky);
         desc.times = &times_;
         renderer_ = std::make_unique<SceneRenderer>(desc);
     }

@@ -108,7 +108,8 @@ void run(const View& view, const GpuScene& scene, const SceneLights& lights, Tap
         desc.layers = layers_desc(layers);
         desc.scene = &scene;
         desc.lights = &lights;
-        desc.sky = glm::vec3(0.2f);
+        desc.sky = uniform_sky(glm::vec3(0.2f));
+        desc.probe = probe_of(desc.sky);
         desc.times = &times[layers - 1];
         renderers.push_back(std::make_unique<SceneRenderer>(desc));
     }

@@ -25,7 +25,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 # >> help and plan need no GPU
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
-         camera sun point sky ortho exposure profile frames orbit clip dump json plan help divisor time fps'
+         camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -101,6 +101,7 @@ refused_values --camera      1,2,3 0,0,0,0,0,0,60 0,0,1,0,0,0,0 0,0,1,0,0,0,180 
 refused_values --sun         1,2,3 0,0,0,1 1,1,1,-1 1,1,1,nan up ''
 refused_values --point       1,2,3 1,2,3,-1 1,2,3,nan 1,2,inf,1 1,2,3,4,5 here ''
 refused_values --sky         1 1,1,-1 1,1,inf 1,1,1,1 ''
+refused_values --probe       none SKY 1 ''
 refused_values --ortho       0 -1 nan inf
 refused_values --exposure    nan 31 bright
 refused_values --frames      0 -1 1.5 few
@@ -365,7 +366,7 @@ parses() {
     fi
 }
 has_keys() {
-    for key in renderer width height guard layers oracle emission lights shadow_maps build triangles draw_calls vertices_shaded \
+    for key in renderer width height guard layers oracle emission lights shadow_maps probe probe_harmonics build triangles draw_calls vertices_shaded \
                passes name cpu_ms median min max gpu_ms textures bytes bytes_total hash; do
         grep -q "\"$key\": " report.json || { echo "$key is missing"; return 1; }
     done
