@@ -23,8 +23,8 @@ void add_face(const std::vector<float>& rgb, const glm::mat4& view, ProbeSum* su
     const glm::mat3 to_world(glm::transpose(view));
     const float pixel = 2.0f / kFaceSize; // at distance 1
     for (int i = 0; i < kFaceSize * kFaceSize; ++i) {
-        const auto column = float(i % kFaceSize), row = float(i / kFaceSize); // the bottom row first
-        const vec3 ray((column + 0.5f) * pixel - 1.0f, (row + 0.5f) * pixel - 1.0f, -1.0f);
+        const int column = i % kFaceSize, row = i / kFaceSize; // the bottom row first
+        const vec3 ray((float(column) + 0.5f) * pixel - 1.0f, (float(row) + 0.5f) * pixel - 1.0f, -1.0f);
         const float length = glm::length(ray);
         const float* color = &rgb[3 * size_t(i)];
         sum->add(to_world * ray / length, {color[0], color[1], color[2]}, pixel * pixel / (length * length * length));
