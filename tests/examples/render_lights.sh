@@ -130,20 +130,24 @@ check "a light has a color"                     is_tinted
 
 # >> shadows
 
-# shaded SCENE WANTED WHERE LOW HIGH HALF: the roof's shadow, LOW < x < HIGH and |z| < HALF, is dark, and where else WHERE
-# holds the floor has what is WANTED, to within 5 cm of the shadow's edge. The roof hides |x|, |z| < 0.5.
+# shaded SCENE WANTED WHERE LOW HIGH HALF [REST [OPTION...]]: the roof's shadow, LOW < x < HIGH and |z| < HALF, is dark, or has
+# what the REST of the lights give, and where else WHERE holds the floor has what is WANTED, to within 5 cm of the shadow's
+# edge. The roof hides |x|, |z| < 0.5.
 shaded() {
-    show "$1" || return 1
-    awk -v low="$4" -v high="$5" -v half="$6" '
+    scene=$1 wanted=$2 where=$3 low=$4 high=$5 half=$6 rest=${7:-0}
+    shift 6
+    if [ $# -gt 0 ]; then shift; fi
+    show "$scene" "$@" || return 1
+    awk -v low="$low" -v high="$high" -v half="$half" '
+        function differs(is, wanted) { return is < 0.99 * wanted || is > 1.01 * wanted }
         function inside(x, z, m) { return x > low - m && x < high + m && z > -half - m && z < half + m }
         function roof(x, z) { return x > -0.54 && x < 0.54 && z > -0.54 && z < 0.54 }
         roof($1, $2) { next }
-        inside($1, $2, -0.05) { ++dark; if ($3 != 0 && !leaks++) print "light at", $0; next }
-        !inside($1, $2, 0.05) {
-            x = $1; z = $2; s = 9 + (x + 2) ^ 2 + z ^ 2; pi = 3.14159265 # s: squared distance from (-2, 3, 0)
-            if (!('"$3"')) next
-            ++lit; wanted = '"$2"'
-            if (($3 < 0.99 * wanted || $3 > 1.01 * wanted) && !bad++) print "at", $0, "instead of", wanted }
+        { x = $1; z = $2; s = 9 + (x + 2) ^ 2 + z ^ 2; pi = 3.14159265 } # s: squared distance from (-2, 3, 0)
+        inside(x, z, -0.05) { ++dark; if (differs($3, '"$rest"') && !leaks++) print "not dark:", $0; next }
+        !inside(x, z, 0.05) && ('"$where"') {
+            ++lit; wanted = '"$wanted"'
+            if (differs($3, wanted) && !bad++) print "at", $0, "instead of", wanted }
         END { print dark + 0, "dark,", lit + 0, "lit,", leaks + 0, "leaks,", bad + 0, "wrong"
               exit !(dark > 150 && lit > 400 && !leaks && !bad) }' final.text
 }
@@ -153,6 +157,12 @@ check "a wide spot light, too"                  shaded roof_flood.gltf '60 / s ^
 check "a spot light, too"                       shaded roof_lamp.gltf '60 / s ^ 1.5 / pi' \
                                                        '(x + 5) * 0.70710678 / sqrt(s) > cos(0.29)' 0.25 1.75 0.75
 check "a directional light, too"                shaded roof_sunny.gltf '3 * 0.70710678 / pi' 1 0.5 1.5 0.5
+
+both='60 / s ^ 1.5 / pi + 3 * 0.70710678 / pi'
+check "each of two lights has its own: one"     shaded roof_bulb.gltf "$both" 'x > -0.45' 0.25 1.75 0.75 \
+                                                       '3 * 0.70710678 / pi' --sun 1,1,0,3
+check "and the other"                           shaded roof_bulb.gltf "$both" 'x < 0.2' -1.5 -0.5 0.5 \
+                                                       '60 / s ^ 1.5 / pi' --sun 1,1,0,3
 
 # >> report
 
