@@ -267,7 +267,8 @@ private:
     PassTimes times_, unread_times_;
     std::optional<GpuScene> gpu_scene_;
     std::optional<SceneLights> lights_;
-    std::optional<Probe> probe_; // where it is baked
+    Sky sky_;
+    Probe probe_{};
     // The second one has one layer where the first has more, and two where the first has one.
     std::optional<SceneRenderer> renderer_, other_;
 };
@@ -286,7 +287,8 @@ Run::Run(const Options& options)
     open_context(&context_);
     gpu_scene_.emplace(scene_);
     lights_.emplace(scene_, *gpu_scene_, choose_lights(options, scene_));
-    if (options.probe == ProbeKind::cube) { probe_ = bake(); }
+    sky_ = options.probe == ProbeKind::sky ? gradient_sky(options.sky) : uniform_sky(options.sky);
+    probe_ = options.probe == ProbeKind::cube ? bake() : probe_of(sky_);
     renderer_.emplace(renderer_desc(layers_desc(options), &times_));
     other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
 }
@@ -297,8 +299,8 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     desc.layers = layers;
     desc.scene = &*gpu_scene_;
     desc.lights = &*lights_;
-    desc.sky = options_.probe == ProbeKind::sky ? gradient_sky(options_.sky) : uniform_sky(options_.sky);
-    desc.probe = probe_ ? *probe_ : probe_of(desc.sky);
+    desc.sky = sky_;
+    desc.probe = probe_;
     desc.times = times;
     return desc;
 }
@@ -402,7 +404,7 @@ RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
     report.vertices_shaded = renderer_->vertices_shaded();
     report.passes = times_.passes();
     report.probe_kind = kProbeNames[int(options_.probe)];
-    report.probe = renderer_desc({}, nullptr).probe;
+    report.probe = probe_;
     report.lights = lights_->lights();
     report.map_size = lights_->map_size();
     report.map_count = lights_->map_count();

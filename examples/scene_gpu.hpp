@@ -48,8 +48,8 @@ GlObject make_vertex_array();
 GlObject make_program(const std::string& what, const std::string& vertex, const std::string& geometry,
                       const std::string& fragment);
 
-// A program that draws the scene and keeps nothing but depth: from the vertex text of GpuScene, with a uniform mat4 u_clip
-// from world space.
+// A program that draws the scene and keeps nothing but depth: of GpuScene's vertex text, with a uniform mat4 u_clip from
+// world space.
 GlObject make_depth_program(const std::string& what, const std::string& scene_vertex);
 
 // A program for one triangle that covers the viewport. The fragment shader comes without its #version line.

@@ -73,7 +73,8 @@ mat4 directional_clip(vec3 bounds_min, vec3 bounds_max, vec3 direction) {
     return glm::ortho(low.x, high.x, low.y, high.y, -high.z, -low.z) * view;
 }
 
-// Camera space of one of the six maps around a light, as cube_face in kDirectLight has it. Some mirror: nothing is culled.
+// Camera space of one of the six maps around a light, as cube_face in kDirectLight has it. Some mirror: nothing is
+// culled.
 mat4 face_view(int face, vec3 position) {
     const int axis = face / 2;
     mat4 view(0.0f);
@@ -202,7 +203,7 @@ struct Light {
     vec4 shape;     // cosine from the axis to attenuation: scale, offset; first map, number of maps
     mat4 map;       // from world space, or with six maps from that of a face's camera
 };
-layout(std140) uniform Lights { Light lights[16]; };
+layout(std140) uniform Lights { Light lights[16]; }; // kMaxLights
 uniform int u_light_count;
 uniform sampler2DArrayShadow u_shadow_maps;
 

@@ -16,9 +16,9 @@ Sky uniform_sky(glm::vec3 radiance);
 // Bright at the horizon, above a ground of albedo 0.3. What faces the zenith gets as much as from a uniform sky.
 Sky gradient_sky(glm::vec3 radiance);
 
-// Irradiance by normal, divided by pi: what all around would have to shine to give as much, W/m2/sr. In spherical harmonics
-// up to order 2, which leave an error of about 1 % where the light comes from a sky or from walls (Ramamoorthi and Hanrahan
-// 2001), as the factors of
+// Irradiance by normal, divided by pi: the radiance from everywhere that would give as much, W/m2/sr. In spherical
+// harmonics up to order 2 (Ramamoorthi and Hanrahan 2001): about 1 % from the truth under skies and between walls, up to 4 %
+// of the brightest side where all light comes from one direction. The factors of
 //     1, y, z, x, xy, yz, 3yy - 1, xz, zz - xx
 // of a unit normal in world space.
 using Probe = std::array<glm::vec3, 9>;

@@ -96,8 +96,8 @@ vec3 decode_normal(vec2 bytes) {
 }
 )";
 
-// Behind kDecodeNormal and kDirectLight. Adds the light of all lights to a layer. The same value goes to a target of full precision in
-// layer 0.
+// Behind kDecodeNormal and kDirectLight. Adds the light of all lights to a layer. The same value goes to a target of full
+// precision in layer 0.
 const char* const kLightFragment = R"(
 const float PI = 3.14159265358979;
 const float BRIGHTEST = 32768.0; // W/m2/sr: twice that does not fit into a layer
@@ -419,8 +419,8 @@ mat4 SceneRenderer::world_from_buffer() const { return from_buffer(view_); }
 // World space with the eye as its origin, where directions are exact however far the eye is from that of the world.
 mat4 SceneRenderer::rays_from_buffer() const { return from_buffer(mat4(glm::mat3(view_))); }
 
-// What the view comes from, from (pixel, depth) of the buffer, guard band included. In double precision: with a near plane
-// of centimetres and a far one of hundreds of metres the matrix is hard to invert.
+// What the view comes from, from (pixel, depth) of the buffer, guard band included. In double precision: with a near
+// plane of centimetres and a far one of hundreds of metres the matrix is hard to invert.
 mat4 SceneRenderer::from_buffer(const mat4& view) const {
     const bool zero_to_one = desc_.layers.clip == DGB_CLIP_ZERO_TO_ONE;
     const glm::dvec3 first(-1.0, -1.0, zero_to_one ? 0.0 : -1.0); // pixel (0, 0), depth 0

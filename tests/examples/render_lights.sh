@@ -1,5 +1,6 @@
 #!/bin/sh
-# Lights of build/release/render: what a plane gets from each kind, against closed forms; shadows, sums, refusals. Prints TAP.
+# Lights of build/release/render: what a plane gets from each kind, against closed forms; shadows, sums, refusals.
+# Prints TAP.
 
 cd "$(dirname "$0")/../.." || exit 1
 . tests/support/tap.sh
@@ -89,7 +90,9 @@ is() {
         function max(a, b) { return a > b ? a : b }
         function min(a, b) { return a < b ? a : b }
         # irradiance over pi from a point at (px, h, pz)
-        function from(px, h, pz, intensity) { s = h * h + (x - px) ^ 2 + (z - pz) ^ 2; return intensity * h / s ^ 1.5 / pi }
+        function from(px, h, pz, intensity) {
+            return intensity * h / (h * h + (x - px) ^ 2 + (z - pz) ^ 2) ^ 1.5 / pi
+        }
         function cosine(px, h, pz) { return h / sqrt(h * h + (x - px) ^ 2 + (z - pz) ^ 2) }
         function cone(c, inner, outer) { a = min(max((c - cos(outer)) / (cos(inner) - cos(outer)), 0), 1); return a * a }
         BEGIN { pi = 3.14159265358979 }
@@ -97,7 +100,8 @@ is() {
           if (!($3 ~ /^[0-9]/)) ++bad
           if (wanted > most) most = wanted
           if (error > worst) { worst = error; at = x " " z " has " $3 " instead of " wanted } }
-        END { print "worst:", at, "; brightest", most; exit !(NR == 9216 && most > 0 && !bad && worst <= tolerance * most) }' final.text
+        END { print "worst:", at, "; brightest", most
+              exit !(NR == 9216 && most > 0 && !bad && worst <= tolerance * most) }' final.text
 }
 shown() { scene=$1 formula=$2; shift 2; show "$scene" "$@" && is "$formula"; }
 
@@ -130,9 +134,9 @@ check "a light has a color"                     is_tinted
 
 # >> shadows
 
-# shaded SCENE WANTED WHERE LOW HIGH HALF [REST [OPTION...]]: the roof's shadow, LOW < x < HIGH and |z| < HALF, is dark, or has
-# what the REST of the lights give, and where else WHERE holds the floor has what is WANTED, to within 5 cm of the shadow's
-# edge. The roof hides |x|, |z| < 0.5.
+# shaded SCENE WANTED WHERE LOW HIGH HALF [REST [OPTION...]]: the roof's shadow, LOW < x < HIGH and |z| < HALF, is dark, or
+# has what the REST of the lights give, and where else WHERE holds the floor has what is WANTED, to within 5 cm of the
+# shadow's edge. The roof hides |x|, |z| < 0.5.
 shaded() {
     scene=$1 wanted=$2 where=$3 low=$4 high=$5 half=$6 rest=${7:-0}
     shift 6
@@ -166,7 +170,7 @@ check "and the other"                           shaded roof_bulb.gltf "$both" 'x
 
 # >> report
 
-says() { for text in "$@"; do grep -qF "$text" report.json || { echo "not there: $text"; cat report.json; return 1; }; done; }
+says() { for text in "$@"; do grep -qF "$text" report.json || { echo "not there: $text"; return 1; }; done; }
 reports() { show "$@" --point 3,2,1,0.5 --sun 0,2,0,4; }
 check "it renders with a report"                reports three.gltf
 check "the report has every light" says \
@@ -187,7 +191,7 @@ points() { # COUNT COMMAND...: the command with so many lights
     "$@"
 }
 check "16 lights"                               points 16 show dark.gltf
-check "they add up"                             is "$(i=1; while [ $i -le 16 ]; do printf 'from(%d, 1, 0, 1) + ' $i; i=$((i + 1)); done) 0"
+check "they add up"                             is "$(seq 16 | sed 's/.*/from(&, 1, 0, 1) + /' | tr -d '\n') 0"
 check "17 lights are refused"                   points 17 refuses "$render" dark.gltf
 check "16 and the sun are refused"              points 16 refuses "$render" dark.gltf --sun 0,1,0,1
 check "without a --sun, a scene has a sun"      points 16 refuses "$render"
