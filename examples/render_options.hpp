@@ -368,9 +368,8 @@ inline void add_picture(CLI::App* app, Options* o) {
         {{kProbeNames[0], ProbeKind::constant}, {kProbeNames[1], ProbeKind::sky}, {kProbeNames[2], ProbeKind::cube}},
         [=](ProbeKind probe) { o->probe = probe; },
         "what comes from where no surface is known: constant (default), --sky from everywhere; sky, which is also seen "
-        "there: --sky times 1.5 at the horizon, 0.75 at the zenith, 0.3 below; cube, the scene around the first "
-        "frame's "
-        "eye, in direct light and two bounces of it, with --sky where it is open");
+        "there: --sky times 1.5 at the horizon, 0.75 at the zenith, 0.3 below; cube, the scene around the eye of "
+        "the first frame, in direct light and two bounces of it, with --sky where it is open");
     app->add_option("--exposure", o->exposure, "powers of two, PNG only (default 0)")
         ->check(between(-30, 30, "-30 to 30"));
     app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")

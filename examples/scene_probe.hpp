@@ -17,8 +17,8 @@ Sky uniform_sky(glm::vec3 radiance);
 Sky gradient_sky(glm::vec3 radiance);
 
 // Irradiance by normal, divided by pi: the radiance from everywhere that would give as much, W/m2/sr. In spherical
-// harmonics up to order 2 (Ramamoorthi and Hanrahan 2001): about 1 % from the truth under skies and between walls, up to 4 %
-// of the brightest side where all light comes from one direction. The factors of
+// harmonics up to order 2 (Ramamoorthi and Hanrahan 2001): about 1 % from the truth under skies and between walls, up to a
+// tenth of the brightest side where all light comes from one direction. The factors of
 //     1, y, z, x, xy, yz, 3yy - 1, xz, zz - xx
 // of a unit normal in world space.
 using Probe = std::array<glm::vec3, 9>;
