@@ -11,6 +11,7 @@
 #include "render_options.hpp"
 #include "render_report.hpp"
 #include "scene.hpp"
+#include "scene_bake.hpp"
 #include "scene_renderer.hpp"
 
 #include <unistd.h>
@@ -30,7 +31,7 @@ using glm::vec3;
 using Floats = std::vector<float>;
 using Picture = SceneRenderer::Picture;
 
-const Sun kDefaultSun{vec3(0.6f, 0.6f, 0.3f), 6.0f};
+const PunctualLight kDefaultSun = sun_light(vec3(0.6f, 0.6f, 0.3f), 6.0f);
 
 // ---- OpenGL context -------------------------------------------------------------------------------------
 
@@ -95,6 +96,14 @@ RenderCamera choose_camera(const Options& options, const Scene& scene) {
     }
     set_planes(scene, &camera);
     return camera;
+}
+
+// Those of the file, or else a sun, and what the command line adds.
+std::vector<PunctualLight> choose_lights(const Options& options, const Scene& scene) {
+    std::vector<PunctualLight> lights = scene.lights;
+    if (options.sun || lights.empty()) { lights.push_back(options.sun.value_or(kDefaultSun)); }
+    lights.insert(lights.end(), options.points.begin(), options.points.end());
+    return lights;
 }
 
 // ---- Output ---------------------------------------------------------------------------------------------
@@ -247,6 +256,7 @@ public:
 private:
     RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
     std::shared_ptr<const GpuPose> pose_at(int frame);
+    Probe bake();
     SceneFrame frame_at(int frame, bool with_next);
     void render_frame(SceneRenderer* renderer, int number, const SceneFrame& frame, PassTimes* times);
     std::vector<uint8_t> tone_mapped(const Floats& linear) const;
@@ -258,11 +268,12 @@ private:
     Options options_;
     Scene scene_;
     RenderCamera camera_;
-    Light light_;
     Context context_; // before everything that lives in it
     PassTimes times_, unread_times_;
     std::optional<GpuScene> gpu_scene_;
-    std::optional<ShadowMap> shadows_;
+    std::optional<SceneLights> lights_;
+    Sky sky_;
+    Probe probe_{};
     // The second one has one layer where the first has more, and two where the first has one.
     std::optional<SceneRenderer> renderer_, other_;
 };
@@ -275,12 +286,13 @@ dgb_desc other_desc(dgb_desc desc) {
 }
 
 Run::Run(const Options& options)
-    : options_(options), scene_(load_scene(options.scene)),
-      camera_(choose_camera(options, scene_)), light_{options.sun.value_or(kDefaultSun), options.sky},
+    : options_(options), scene_(load_scene(options.scene)), camera_(choose_camera(options, scene_)),
       times_(options.profile), unread_times_(false) {
     open_context(&context_);
     gpu_scene_.emplace(scene_);
-    if (light_.sun.strength > 0.0f) { shadows_ = make_shadow_map(scene_, *gpu_scene_, light_.sun); }
+    lights_.emplace(scene_, *gpu_scene_, choose_lights(options, scene_));
+    sky_ = options.probe == ProbeKind::sky ? gradient_sky(options.sky) : uniform_sky(options.sky);
+    probe_ = options.probe == ProbeKind::cube ? bake() : probe_of(sky_);
     renderer_.emplace(renderer_desc(layers_desc(options), &times_));
     other_.emplace(renderer_desc(other_desc(layers_desc(options)), &unread_times_));
 }
@@ -290,8 +302,9 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     desc.get_proc = headless_get_proc;
     desc.layers = layers;
     desc.scene = &*gpu_scene_;
-    desc.shadows = shadows_ ? &*shadows_ : nullptr;
-    desc.light = light_;
+    desc.lights = &*lights_;
+    desc.sky = sky_;
+    desc.probe = probe_;
     desc.times = times;
     return desc;
 }
@@ -300,6 +313,13 @@ std::shared_ptr<const GpuPose> Run::pose_at(int frame) {
     if (scene_.animations.empty()) { return gpu_scene_->first_pose(); }
     pose(&scene_, options_.time + frame / options_.fps);
     return std::make_shared<GpuPose>(current_pose(scene_));
+}
+
+// At the eye, where the pictures are taken from: the middle of the scene may lie in a wall.
+Probe Run::bake() {
+    const std::shared_ptr<const GpuPose> pose = pose_at(0);
+    lights_->update(*pose);
+    return bake_probe(renderer_desc({}, &unread_times_), pose, camera_.eye, camera_.near_plane, camera_.far_plane);
 }
 
 // The future is known: the orbit and the animation just go on.
@@ -319,10 +339,8 @@ SceneFrame Run::frame_at(int frame, bool with_next) {
 void Run::render_frame(SceneRenderer* renderer, int number, const SceneFrame& frame, PassTimes* times) {
     const dgb_params params = options_.params_of(number);
     renderer->build(frame, params);
-    if (shadows_) {
-        times->begin();
-        if (update_shadow_map(*gpu_scene_, renderer->drawn_pose(), &*shadows_)) { times->end("shadow"); }
-    }
+    times->begin();
+    if (lights_->update(renderer->drawn_pose())) { times->end("shadow"); }
     renderer->shade(params);
 }
 
@@ -394,6 +412,11 @@ RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
     report.build = renderer_->draw_counts();
     report.vertices_shaded = renderer_->vertices_shaded();
     report.passes = times_.passes();
+    report.probe_kind = kProbeNames[int(options_.probe)];
+    report.probe = probe_;
+    report.lights = lights_->lights();
+    report.map_size = lights_->map_size();
+    report.map_count = lights_->map_count();
     report.hash = fnv1a64(final_rgb.data(), final_rgb.size());
     return report;
 }

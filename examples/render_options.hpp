@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render_camera.hpp"
-#include "scene_gpu.hpp"
+#include "scene_lights.hpp"
 
 #include "deepgbuffer.h"
 
@@ -50,6 +50,9 @@ struct Dump {
     std::string name, file;
 };
 
+enum class ProbeKind { constant, sky, cube };
+inline const char* const kProbeNames[] = {"constant", "sky", "cube"};
+
 struct Options {
     std::string scene; // empty: the atrium
     std::string out;   // empty: no PNG files
@@ -68,8 +71,10 @@ struct Options {
     std::optional<RenderCamera> camera; // none: the file's, or one that frames the scene
     float ortho_height = 0.0f;          // metres; 0: as the camera says
     ClipRange clip = ClipRange::standard;
-    std::optional<Sun> sun; // none: the scene's default
+    std::optional<PunctualLight> sun;  // none: the scene's default
+    std::vector<PunctualLight> points; // what is added to the lights of the file
     glm::vec3 sky{0.15f, 0.2f, 0.25f};
+    ProbeKind probe = ProbeKind::constant;
     float exposure = 0.0f; // powers of two
     int frames = 8;
     std::optional<int> bounces; // none: one more each frame
@@ -225,14 +230,21 @@ inline void parse_camera(const std::string& text, Options* options) {
 }
 
 inline void parse_sun(const std::string& text, Options* options) {
-    options->sun = Sun{};
+    options->sun = PunctualLight{};
     if (text == "none") { return; }
     const std::vector<float> n = to_numbers(text);
     require(n.size() == 4, "--sun", "must be none or four numbers: dx,dy,dz,strength");
-    options->sun->direction = {n[0], n[1], n[2]};
-    options->sun->strength = n[3];
-    require(glm::length(options->sun->direction) > 0.0f, "--sun", "needs a direction that is not 0,0,0");
+    const glm::vec3 to_sun(n[0], n[1], n[2]);
+    require(glm::length(to_sun) > 0.0f, "--sun", "needs a direction that is not 0,0,0");
     require(n[3] >= 0.0f, "--sun", "needs a strength of 0 or more");
+    options->sun = sun_light(to_sun, n[3]);
+}
+
+inline void parse_point(const std::string& text, Options* options) {
+    const std::vector<float> n = to_numbers(text);
+    require(n.size() == 4, "--point", "must be four numbers: x,y,z,intensity");
+    require(n[3] >= 0.0f, "--point", "needs an intensity of 0 or more");
+    options->points.push_back(point_light({n[0], n[1], n[2]}, n[3]));
 }
 
 inline void parse_sky(const std::string& text, Options* options) {
@@ -380,9 +392,25 @@ inline void add_picture(CLI::App* app, Options* o) {
     app->add_option("--ortho", o->ortho_height, "orthographic, this many metres high")->check(positive());
     app->add_option_function<std::string>("--sun", text(parse_sun),
                                           "dx,dy,dz,strength towards the sun, W/m2; or none "
-                                          "(default 0.6,0.6,0.3,6)");
+                                          "(default 0.6,0.6,0.3,6, or none where the file has lights)");
+    app->add_option_function<Words>(
+           "--point",
+           [=](const Words& points) {
+               for (const std::string& point : points) { parse_point(point, o); }
+           },
+           "x,y,z,intensity: a white point light, W/sr; may be repeated. It adds to the lights of the file, whose "
+           "candela are taken for W/sr and lux for W/m2; " +
+               std::to_string(kMaxLights) + " lights at most")
+        ->allow_extra_args(false);
     app->add_option_function<std::string>("--sky", text(parse_sky),
                                           "r,g,b: radiance from everywhere (default 0.15,0.2,0.25)");
+    add_choice<ProbeKind>(
+        app, "--probe",
+        {{kProbeNames[0], ProbeKind::constant}, {kProbeNames[1], ProbeKind::sky}, {kProbeNames[2], ProbeKind::cube}},
+        [=](ProbeKind probe) { o->probe = probe; },
+        "what comes from where no surface is known: constant (default), --sky from everywhere; sky, which is also seen "
+        "there: --sky times 1.5 at the horizon, 0.75 at the zenith, 0.3 below; cube, the scene around the eye of "
+        "the first frame, in direct light and two bounces of it, with --sky where it is open");
     app->add_option("--exposure", o->exposure, "powers of two, PNG only (default 0)")
         ->check(between(-30, 30, "-30 to 30"));
     app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")

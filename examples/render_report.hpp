@@ -19,6 +19,10 @@ struct RunReport {
     DrawCounts build; // of the last frame's layers
     std::optional<uint64_t> vertices_shaded;
     std::vector<PassTime> passes;
+    std::vector<PunctualLight> lights; // where the last frame has them
+    int map_size = 0, map_count = 0;   // of their shadow maps; texels along one side
+    std::string probe_kind;
+    Probe probe{};
     uint64_t hash = 0; // of the final picture's 8-bit pixels
 };
 
@@ -87,6 +91,23 @@ inline std::string build_to_json(const RunReport& report) {
                  vertices.c_str());
 }
 
+inline std::string vector_to_json(glm::vec3 v) {
+    return print("[%.9g, %.9g, %.9g]", double(v.x), double(v.y), double(v.z));
+}
+
+// Only what its kind has. A direction is the one in which light travels.
+inline std::string light_to_json(const PunctualLight& light) {
+    static const char* const kinds[] = {"directional", "point", "spot"};
+    const bool directional = light.kind == LightKind::directional, spot = light.kind == LightKind::spot;
+    std::string json = print(R"({"kind": "%s", "intensity": )", kinds[int(light.kind)]);
+    json += vector_to_json(light.intensity);
+    if (!directional) { json += R"(, "position": )" + vector_to_json(glm::vec3(light.world[3])); }
+    if (directional || spot) { json += R"(, "direction": )" + vector_to_json(-direction_to(light)); }
+    if (light.range > 0.0f && !directional) { json += print(R"(, "range": %.9g)", double(light.range)); }
+    if (spot) { json += print(R"(, "cone": [%.9g, %.9g])", double(light.inner_cone), double(light.outer_cone)); }
+    return json + "}";
+}
+
 } // namespace render_report
 
 inline std::string report_to_json(const RunReport& report) {
@@ -98,6 +119,10 @@ inline std::string report_to_json(const RunReport& report) {
     json += print("  \"guard\": %d,\n  \"layers\": %d,\n", report.desc.guard_band, plan.layers);
     json += "  \"oracle\": " + quoted(dgb_oracle_name(plan.oracle)) + ",\n";
     json += "  \"emission\": " + quoted(dgb_emission_name(plan.emission)) + ",\n";
+    json += "  \"lights\": " + array(report.lights, light_to_json) + ",\n";
+    json += print("  \"shadow_maps\": {\"count\": %d, \"size\": %d},\n", report.map_count, report.map_size);
+    json += "  \"probe\": " + quoted(report.probe_kind) + ",\n";
+    json += "  \"probe_harmonics\": " + array(report.probe, vector_to_json) + ",\n";
     json += "  \"build\": " + build_to_json(report) + ",\n";
     json += "  \"passes\": " + array(report.passes, pass_to_json) + ",\n";
     json += "  \"textures\": " + array(textures_of(plan), texture_to_json) + ",\n";

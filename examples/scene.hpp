@@ -120,6 +120,42 @@ struct Camera {
     float half_height = 1.0f;  // metres, orthographic only
 };
 
+enum class LightKind { directional, point, spot };
+
+// A light without a size, as KHR_lights_punctual has it. Shines along the -Z axis of its world matrix, a point light
+// everywhere.
+struct PunctualLight {
+    LightKind kind = LightKind::point;
+    glm::vec3 intensity{0.0f};  // W/sr; of a directional light its irradiance at normal incidence, W/m2
+    float range = 0.0f;         // where its light ends, metres; 0: nowhere; not of directional lights
+    float inner_cone = 0.0f;    // of a spot light, radians from its axis: up to here it is full,
+    float outer_cone = 0.7854f; // and from here on dark
+    int node = -1;              // that places it; none: it stands still
+    glm::mat4 world{1.0f};
+};
+
+// Against the axis, unit length. A node without size has no axis.
+inline glm::vec3 direction_to(const PunctualLight& light) {
+    const glm::vec3 axis(light.world[2]);
+    return axis != glm::vec3(0.0f) ? glm::normalize(axis) : glm::vec3(0.0f, 0.0f, 1.0f);
+}
+
+// to_sun: of any length.
+inline PunctualLight sun_light(glm::vec3 to_sun, float strength) {
+    PunctualLight sun;
+    sun.kind = LightKind::directional;
+    sun.intensity = glm::vec3(strength);
+    sun.world[2] = glm::vec4(to_sun, 0.0f);
+    return sun;
+}
+
+inline PunctualLight point_light(glm::vec3 position, float intensity) {
+    PunctualLight point;
+    point.intensity = glm::vec3(intensity);
+    point.world[3] = glm::vec4(position, 1.0f);
+    return point;
+}
+
 struct Scene {
     std::string name;
     std::vector<Image> images;
@@ -130,6 +166,7 @@ struct Scene {
     std::vector<Skin> skins;
     std::vector<Animation> animations;
     std::vector<Camera> cameras;
+    std::vector<PunctualLight> lights;
     glm::vec3 bounds_min{0.0f}; // world space, at any time of the first animation
     glm::vec3 bounds_max{0.0f};
 };

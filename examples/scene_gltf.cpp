@@ -2,6 +2,7 @@
 // refers to (files, buffer ranges, indices, node graph) is checked here before use.
 #include "scene.hpp"
 
+#include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <stb_image.h>
 #include <tiny_gltf.h>
@@ -173,8 +174,8 @@ tinygltf::Model parse_file(const fs::path& path) {
 }
 
 void check_required_extensions(const tinygltf::Model& model) {
-    static const std::array<std::string, 3> supported = {"KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                                         "KHR_mesh_quantization"};
+    static const std::array<std::string, 4> supported = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+                                                         "KHR_materials_unlit", "KHR_mesh_quantization"};
     for (const std::string& name : model.extensionsRequired) {
         if (std::find(supported.begin(), supported.end(), name) == supported.end()) {
             fail("it requires the extension " + name + ", which is not supported");
@@ -601,7 +602,7 @@ void read_textures(const tinygltf::Model& model, Scene* scene) {
 
 float finite(double value) {
     if (!std::isfinite(static_cast<float>(value))) {
-        fail("a material, node or camera contains a value that is not finite");
+        fail("a material, node, camera or light contains a value that is not finite");
     }
     return static_cast<float>(value);
 }
@@ -611,7 +612,7 @@ template <typename Vector>
 Vector read_vector(const std::vector<double>& values, Vector fallback) {
     if (values.empty()) { return fallback; }
     if (values.size() != size_t(Vector::length())) {
-        fail("a material or node has a list of " + std::to_string(values.size()) + " instead of " +
+        fail("a material, node or light has a list of " + std::to_string(values.size()) + " instead of " +
              std::to_string(Vector::length()) + " numbers");
     }
     for (int i = 0; i < Vector::length(); ++i) { fallback[i] = finite(values[size_t(i)]); }
@@ -675,7 +676,7 @@ void read_materials(const tinygltf::Model& model, Scene* scene) {
     scene->materials.push_back(read_material(model, tinygltf::Material()));
 }
 
-// ---- Nodes and cameras --------------------------------------------------------------------------------
+// ---- Nodes, cameras and lights ------------------------------------------------------------------------
 
 glm::mat4 read_matrix(const tinygltf::Node& node) {
     glm::mat4 matrix(1.0f);
@@ -702,6 +703,43 @@ Camera read_camera(const tinygltf::Camera& source) {
         camera.vertical_fov = finite(source.perspective.yfov);
     }
     return camera;
+}
+
+LightKind read_light_kind(const std::string& gltf_word, const std::string& name) {
+    if (gltf_word == "directional") { return LightKind::directional; }
+    if (gltf_word == "point") { return LightKind::point; }
+    if (gltf_word != "spot") { fail(name + " is neither directional nor point nor spot"); }
+    return LightKind::spot;
+}
+
+// The extension's units are photometric: candela and lux. Like most renderers, this one takes their numbers for W/sr and
+// W/m2 as they are: divided by the 683 lm/W of the definition, no lamp would stand out against emissive materials, whose
+// values are in no such unit.
+PunctualLight read_light(const tinygltf::Model& model, int light_index) {
+    const tinygltf::Light& source = at(model.lights, light_index, "light");
+    const std::string name = label("light", size_t(light_index));
+    PunctualLight light;
+    light.kind = read_light_kind(source.type, name);
+    light.intensity = read_vector(source.color, glm::vec3(1.0f)) * finite(source.intensity);
+    light.range = finite(source.range);
+    light.inner_cone = finite(source.spot.innerConeAngle);
+    light.outer_cone = finite(source.spot.outerConeAngle);
+    if (glm::any(glm::lessThan(light.intensity, glm::vec3(0.0f))) || light.range < 0.0f) {
+        fail(name + " has a negative color, intensity or range");
+    }
+    const bool is_cone = light.inner_cone >= 0.0f && light.inner_cone <= light.outer_cone && light.outer_cone > 0.0f &&
+                         light.outer_cone <= 0.5f * glm::pi<float>() + 1e-4f;
+    if (!is_cone) { fail(name + " has cone angles that are not 0 <= inner <= outer <= pi / 2"); }
+    return light;
+}
+
+// What a node refers to; none if it has no light.
+std::optional<PunctualLight> read_light_of(const tinygltf::Model& model, const tinygltf::Node& node) {
+    const auto extension = node.extensions.find("KHR_lights_punctual");
+    if (extension == node.extensions.end()) { return std::nullopt; }
+    const tinygltf::Value& index = extension->second.Get("light");
+    if (!index.IsInt()) { fail("a node has a light without a number"); }
+    return read_light(model, index.GetNumberAsInt());
 }
 
 using NodeIndices = std::vector<int>; // for each node of the file its place in the scene, -1 if it is not there
@@ -731,6 +769,10 @@ public:
         if (source.camera >= 0) {
             scene_->cameras.push_back(read_camera(at(model_.cameras, source.camera, "camera")));
             camera_nodes_.push_back(index);
+        }
+        if (const std::optional<PunctualLight> light = read_light_of(model_, source)) {
+            scene_->lights.push_back(*light);
+            scene_->lights.back().node = index;
         }
         for (int child : source.children) { add(child, index, depth + 1); }
     }

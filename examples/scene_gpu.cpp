@@ -74,7 +74,7 @@ mat3 normal_to_world() { return u_normal_to_world; }
 #endif
 )";
 
-const char* const kShadowVertex = R"(
+const char* const kDepthVertex = R"(
 uniform mat4 u_clip;
 out vec2 v_uv;
 out vec4 v_color;
@@ -86,7 +86,7 @@ void main() {
 }
 )";
 
-const char* const kShadowFragment = R"(
+const char* const kDepthFragment = R"(
 in vec2 v_uv;
 in vec4 v_color;
 
@@ -153,69 +153,11 @@ GlObject upload_pixel(std::vector<uint8_t> rgba) {
 
 // ---- Geometry -------------------------------------------------------------------------------------------
 
-GlObject make_buffer(GLenum target, size_t size, const void* data) {
-    GLuint name = 0;
-    glGenBuffers(1, &name);
-    GlObject buffer(name, [](GLuint buffer_name) { glDeleteBuffers(1, &buffer_name); });
-    glBindBuffer(target, name);
-    glBufferData(target, GLsizeiptr(size), data, GL_STATIC_DRAW);
-    return buffer;
-}
-
 void set_attribute(GLuint location, GLint components, size_t offset) {
     glEnableVertexAttribArray(location);
     // OpenGL takes the offset into the bound buffer as a pointer
     glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, GLsizei(sizeof(Vertex)),
                           reinterpret_cast<const void*>(offset)); // NOLINT(performance-no-int-to-ptr)
-}
-
-// ---- Shadow map -----------------------------------------------------------------------------------------
-
-// Clip space of an orthographic picture along the sun's rays that holds all of the scene.
-mat4 sun_clip_from_world(const Scene& scene, vec3 direction) {
-    const vec3 up = std::abs(direction.y) < 0.99f ? vec3(0.0f, 1.0f, 0.0f) : vec3(0.0f, 0.0f, 1.0f);
-    const mat4 view = glm::lookAt(direction, vec3(0.0f), up);
-    vec3 low(std::numeric_limits<float>::infinity()), high(-low);
-    for (int corner = 0; corner < 8; ++corner) {
-        const vec3 world((corner & 1) != 0 ? scene.bounds_max.x : scene.bounds_min.x,
-                         (corner & 2) != 0 ? scene.bounds_max.y : scene.bounds_min.y,
-                         (corner & 4) != 0 ? scene.bounds_max.z : scene.bounds_min.z);
-        const vec3 seen(view * vec4(world, 1.0f));
-        low = glm::min(low, seen);
-        high = glm::max(high, seen);
-    }
-    const float margin = 0.01f * glm::length(high - low); // room for the filter, and for flat scenes
-    low -= margin;
-    high += margin;
-    return glm::ortho(low.x, high.x, low.y, high.y, -high.z, -low.z) * view;
-}
-
-GlObject make_shadow_texture(int size) {
-    GlObject texture = make_texture();
-    glBindTexture(GL_TEXTURE_2D, texture.name());
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    return texture;
-}
-
-void begin_shadow_pass(GLuint texture, int size) {
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture, 0);
-    glDrawBuffer(GL_NONE);
-    glReadBuffer(GL_NONE);
-    glViewport(0, 0, size, size);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
-    glClear(GL_DEPTH_BUFFER_BIT);
-}
-
-void end_shadow_pass() {
-    glDisable(GL_DEPTH_TEST);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 } // namespace
@@ -226,6 +168,15 @@ GlObject make_texture() {
     GLuint name = 0;
     glGenTextures(1, &name);
     return {name, [](GLuint texture) { glDeleteTextures(1, &texture); }};
+}
+
+GlObject make_buffer(GLenum target, size_t size, const void* data) {
+    GLuint name = 0;
+    glGenBuffers(1, &name);
+    GlObject buffer(name, [](GLuint buffer_name) { glDeleteBuffers(1, &buffer_name); });
+    glBindBuffer(target, name);
+    glBufferData(target, GLsizeiptr(size), data, GL_STATIC_DRAW);
+    return buffer;
 }
 
 GlObject make_framebuffer() {
@@ -253,6 +204,11 @@ GlObject make_program(const std::string& what, const std::string& vertex, const 
     return program;
 }
 
+GlObject make_depth_program(const std::string& what, const std::string& scene_vertex) {
+    return make_program(what, kVersion + scene_vertex + kDepthVertex, "",
+                        std::string(kVersion) + kSceneMaterial + kDepthFragment);
+}
+
 GlObject make_fullscreen_program(const std::string& what, const std::string& fragment) {
     return make_program(what, std::string(kVersion) + kFullscreenVertex, "", kVersion + fragment);
 }
@@ -271,6 +227,10 @@ void set_uniform(GLuint program, const char* name, vec3 value) {
 
 void set_uniform(GLuint program, const char* name, const mat4& value) {
     glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, glm::value_ptr(value));
+}
+
+void set_uniform(GLuint program, const char* name, const std::vector<vec3>& values) {
+    glUniform3fv(glGetUniformLocation(program, name), GLsizei(values.size()), glm::value_ptr(values[0]));
 }
 
 void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture) {
@@ -456,39 +416,4 @@ DrawCounts GpuScene::draw(GLuint program, const GpuPose& pose, const GpuPose& be
         counts.triangles += int64_t(d.index_count) / 3 * instances;
     }
     return counts;
-}
-
-ShadowMap make_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
-    const mat4 half = glm::scale(glm::translate(mat4(1.0f), vec3(0.5f)), vec3(0.5f)); // -1..1 to 0..1
-    ShadowMap map;
-    map.size = size;
-    map.clip = sun_clip_from_world(scene, glm::normalize(sun.direction));
-    map.texture = make_shadow_texture(size);
-    map.from_world = half * map.clip;
-    // rows of an orthographic matrix are 2 / extent long
-    const glm::mat4 rows = glm::transpose(map.clip);
-    map.texel = 2.0f / std::min(glm::length(vec3(rows[0])), glm::length(vec3(rows[1]))) / float(size);
-    map.program = make_program("shadow", kVersion + gpu_scene.vertex_text() + kShadowVertex, "",
-                               std::string(kVersion) + kSceneMaterial + kShadowFragment);
-    return map;
-}
-
-bool update_shadow_map(const GpuScene& gpu_scene, const GpuPose& pose, ShadowMap* map) {
-    const Pose& matrices = pose.matrices();
-    if (map->pose && map->pose->nodes == matrices.nodes && map->pose->joints == matrices.joints) { return false; }
-    map->pose = matrices;
-    const GlObject framebuffer = make_framebuffer();
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-    begin_shadow_pass(map->texture.name(), map->size);
-    glUseProgram(map->program.name());
-    set_uniform(map->program.name(), "u_clip", map->clip);
-    gpu_scene.draw(map->program.name(), pose, pose, 1, GpuScene::Sides::both);
-    end_shadow_pass();
-    return true;
-}
-
-ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size) {
-    ShadowMap map = make_shadow_map(scene, gpu_scene, sun, size);
-    update_shadow_map(gpu_scene, *gpu_scene.first_pose(), &map);
-    return map;
 }

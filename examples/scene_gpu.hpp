@@ -1,4 +1,4 @@
-// A scene in OpenGL 3.3: buffers, textures, a list of draws, and the shadow map of a sun.
+// A scene in OpenGL 3.3: buffers, textures, and a list of draws.
 #pragma once
 
 #include "scene.hpp"
@@ -39,6 +39,7 @@ private:
 };
 
 GlObject make_texture();
+GlObject make_buffer(GLenum target, size_t size, const void* data); // stays bound
 GlObject make_framebuffer();
 GlObject make_vertex_array();
 
@@ -46,6 +47,10 @@ GlObject make_vertex_array();
 // message.
 GlObject make_program(const std::string& what, const std::string& vertex, const std::string& geometry,
                       const std::string& fragment);
+
+// A program that draws the scene and keeps nothing but depth: of GpuScene's vertex text, with a uniform mat4 u_clip from
+// world space.
+GlObject make_depth_program(const std::string& what, const std::string& scene_vertex);
 
 // A program for one triangle that covers the viewport. The fragment shader comes without its #version line.
 GlObject make_fullscreen_program(const std::string& what, const std::string& fragment);
@@ -55,14 +60,10 @@ void set_uniform(GLuint program, const char* name, int value);
 void set_uniform(GLuint program, const char* name, float value);
 void set_uniform(GLuint program, const char* name, glm::vec3 value);
 void set_uniform(GLuint program, const char* name, const glm::mat4& value);
+void set_uniform(GLuint program, const char* name, const std::vector<glm::vec3>& values);
 
 // Sets the sampler's unit and binds the texture there. The current program must hold the sampler.
 void bind_texture(GLuint program, const char* name, int unit, GLenum target, GLuint texture);
-
-struct Sun {
-    glm::vec3 direction{0.0f, 1.0f, 0.0f}; // towards the sun, any length
-    float strength = 0.0f;                 // irradiance at normal incidence, W/m2; 0: there is no sun
-};
 
 struct DrawCounts {
     int64_t draw_calls = 0;
@@ -132,23 +133,3 @@ private:
     bool has_skins_ = false;
     std::shared_ptr<const GpuPose> first_pose_;
 };
-
-// Depth of the scene as the sun sees it, in an orthographic picture of the scene's bounds.
-struct ShadowMap {
-    GlObject texture;           // compared and filtered by the sampler
-    glm::mat4 from_world{1.0f}; // to texture coordinates and depth, 0..1
-    float texel = 0.0f;         // size in the scene, metres
-
-    int size = 0;             // texels along one side
-    glm::mat4 clip{1.0f};     // from world
-    GlObject program;         // that draws it
-    std::optional<Pose> pose; // that it shows; none yet
-};
-
-ShadowMap make_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size = 4096);
-
-// Draws the map, unless it shows this very pose. Returns whether it did.
-bool update_shadow_map(const GpuScene& gpu_scene, const GpuPose& pose, ShadowMap* map);
-
-// Both, for a scene in which nothing moves.
-ShadowMap render_shadow_map(const Scene& scene, const GpuScene& gpu_scene, const Sun& sun, int size = 4096);

@@ -22,10 +22,6 @@ const dgbgl_varying kVaryings[] = {{nullptr, "vec3", "v_normal"},
                                    {nullptr, "vec4", "v_color"}};
 constexpr int kVaryingCount = 4;
 
-// Shadow map texels by which a point is lifted off its surface before it is looked up. The filter reaches
-// 2 sqrt(2) texels: with more than that no plane shadows itself, however slanted, and depth needs no bias.
-constexpr float kNormalOffset = 3.5f;
-
 const char* const kMaterialVertex = R"(
 uniform mat4 u_view;
 uniform mat4 u_clip;          // from world
@@ -89,27 +85,8 @@ void main() {
 }
 )";
 
-// Adds the sun's light to a layer. The same value goes to a target of full precision in layer 0.
-const char* const kLightFragment = R"(
-const float PI = 3.14159265358979;
-
-uniform sampler2DArray u_depth;
-uniform sampler2DArray u_albedo;
-uniform sampler2DArray u_normal;
-uniform sampler2DShadow u_shadow_map;
-uniform int u_layer;
-uniform float u_divisor; // of the layer's resolution
-uniform float u_empty_depth;
-uniform mat4 u_view;
-uniform mat4 u_world_from_buffer; // pixel, depth
-uniform mat4 u_shadow_from_world;
-uniform vec3 u_to_sun;
-uniform float u_strength;      // W/m2
-uniform float u_normal_offset; // metres: lifts a point off its own shadow
-
-layout(location = 0) out vec4 out_layer;
-layout(location = 1) out vec4 out_direct;
-
+// Before those that read a layer.
+const char* const kDecodeNormal = R"(
 // What dgb_oct16_decode does.
 vec3 decode_normal(vec2 bytes) {
     vec2 p = (min(floor(bytes * 255.0 + 0.5), 254.0) - 127.0) / 127.0;
@@ -117,38 +94,46 @@ vec3 decode_normal(vec2 bytes) {
     vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
     return normalize(vec3(z < 0.0 ? folded : p, z));
 }
+)";
 
-// 3 x 3 comparisons, each filtered over 2 x 2 texels by the sampler.
-float sun_visibility(vec3 world) {
-    vec3 p = (u_shadow_from_world * vec4(world, 1.0)).xyz;
-    vec2 texel = 1.0 / vec2(textureSize(u_shadow_map, 0));
-    float lit = 0.0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) lit += texture(u_shadow_map, p + vec3(vec2(x, y) * texel, 0.0));
-    return lit / 9.0;
-}
+// Behind kDecodeNormal and kDirectLight. Adds the light of all lights to a layer. The same value goes to a target of full
+// precision in layer 0.
+const char* const kLightFragment = R"(
+const float PI = 3.14159265358979;
+const float BRIGHTEST = 32768.0; // W/m2/sr: twice that does not fit into a layer
+
+uniform sampler2DArray u_depth;
+uniform sampler2DArray u_albedo;
+uniform sampler2DArray u_normal;
+uniform int u_layer;
+uniform float u_divisor; // of the layer's resolution
+uniform float u_empty_depth;
+uniform mat4 u_view;
+uniform mat4 u_world_from_buffer; // pixel, depth
+
+layout(location = 0) out vec4 out_layer;
+layout(location = 1) out vec4 out_direct;
 
 void main() {
     ivec3 at = ivec3(gl_FragCoord.xy, u_layer);
     float depth = texelFetch(u_depth, at, 0).r;
-    if (depth == u_empty_depth) discard;
     vec4 albedo = texelFetch(u_albedo, at, 0); // a: 0 unlit, 1 lit
+    if (depth == u_empty_depth || albedo.a == 0.0) discard;
     vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, at, 0).rg);
-    float cosine = dot(normal, u_to_sun);
-    if (cosine <= 0.0 || albedo.a == 0.0) discard;
-
     vec4 world = u_world_from_buffer * vec4(gl_FragCoord.xy * u_divisor, depth, 1.0);
-    float visibility = sun_visibility(world.xyz / world.w + normal * u_normal_offset);
-    out_layer = vec4(albedo.rgb / PI * (u_strength * cosine * visibility), 0.0);
+    vec3 radiance = albedo.rgb / PI * direct_irradiance(world.xyz / world.w, normal);
+    out_layer = vec4(min(radiance, BRIGHTEST), 0.0);
     out_direct = out_layer;
 }
 )";
 
+// Behind kDecodeNormal.
 const char* const kCompositeFragment = R"(
 const float PI = 3.14159265358979;
 
 uniform sampler2DArray u_depth;
 uniform sampler2DArray u_albedo;
+uniform sampler2DArray u_normal;
 uniform sampler2D u_direct;
 uniform sampler2D u_ao;
 uniform sampler2D u_irradiance;
@@ -156,11 +141,33 @@ uniform int u_has_ao;
 uniform int u_has_irradiance;
 uniform int u_guard; // pixels
 uniform float u_empty_depth;
-uniform vec3 u_sky;
+uniform mat4 u_view;
+uniform mat4 u_rays_from_buffer;  // pixel, depth
+uniform vec3 u_sky[3];            // zenith, horizon, ground
+uniform vec3 u_probe[9];          // irradiance by normal, over pi
 
 layout(location = 0) out vec4 out_final;
 layout(location = 1) out vec4 out_direct;
 layout(location = 2) out vec4 out_indirect;
+
+// Of the ray through a pixel, from one point on it to the other: the farther may be at infinity, where w is 0.
+vec3 ray_direction(vec2 pixel) {
+    vec4 a = u_rays_from_buffer * vec4(pixel, 1.0 - u_empty_depth, 1.0);
+    vec4 b = u_rays_from_buffer * vec4(pixel, u_empty_depth, 1.0);
+    return normalize(b.xyz * a.w - a.xyz * b.w);
+}
+
+// Written so that a uniform sky is exactly that.
+vec3 sky_radiance(vec3 direction) {
+    return direction.y < 0.0 ? u_sky[2] : u_sky[1] + (u_sky[0] - u_sky[1]) * direction.y;
+}
+
+vec3 probe_radiance(vec3 n) {
+    vec3 sum = u_probe[0] + u_probe[1] * n.y + u_probe[2] * n.z + u_probe[3] * n.x + u_probe[4] * (n.x * n.y) +
+               u_probe[5] * (n.y * n.z) + u_probe[6] * (3.0 * n.y * n.y - 1.0) + u_probe[7] * (n.x * n.z) +
+               u_probe[8] * (n.z * n.z - n.x * n.x);
+    return max(sum, 0.0); // a cut series undershoots
+}
 
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy) + u_guard;
@@ -168,9 +175,11 @@ void main() {
     vec4 albedo = texelFetch(u_albedo, ivec3(p, 0), 0); // a: 0 unlit, 1 lit
     float visibility = u_has_ao != 0 ? texelFetch(u_ao, p, 0).r : 1.0;
     vec4 irradiance = u_has_irradiance != 0 ? texelFetch(u_irradiance, p, 0) : vec4(0.0); // a: confidence
-    vec3 ambient = mix(visibility * PI * u_sky, irradiance.rgb, irradiance.a);
+    vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, ivec3(p, 0), 0).rg);
+    vec3 ambient = mix(visibility * PI * probe_radiance(normal), irradiance.rgb, irradiance.a);
 
-    vec3 direct = empty ? u_sky : texelFetch(u_direct, p, 0).rgb;
+    vec3 sky = sky_radiance(ray_direction(gl_FragCoord.xy + float(u_guard)));
+    vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
     vec3 indirect = empty ? vec3(0.0) : albedo.rgb * albedo.a / PI * ambient;
     out_final = vec4(direct + indirect, 1.0);
     out_direct = vec4(direct, 1.0);
@@ -311,8 +320,8 @@ GlObject SceneRenderer::make_layers_program(const char* what, const char* fragme
 void SceneRenderer::make_programs() {
     material_program_ = make_layers_program("material", kMaterialFragment);
     if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
-    light_program_ = make_fullscreen_program("light", kLightFragment);
-    composite_program_ = make_fullscreen_program("composite", kCompositeFragment);
+    light_program_ = make_fullscreen_program("light", std::string(kDecodeNormal) + kDirectLight + kLightFragment);
+    composite_program_ = make_fullscreen_program("composite", std::string(kDecodeNormal) + kCompositeFragment);
 }
 
 void SceneRenderer::make_targets() {
@@ -405,14 +414,19 @@ void SceneRenderer::draw_layers(const dgb_draw& draw) {
     draw_counts_.triangles += counts.triangles;
 }
 
-// World space from (pixel, depth) of the buffer, guard band included. In double precision: with a near plane
-// of centimetres and a far one of hundreds of metres the matrix is hard to invert.
-mat4 SceneRenderer::world_from_buffer() const {
+mat4 SceneRenderer::world_from_buffer() const { return from_buffer(view_); }
+
+// World space with the eye as its origin, where directions are exact however far the eye is from that of the world.
+mat4 SceneRenderer::rays_from_buffer() const { return from_buffer(mat4(glm::mat3(view_))); }
+
+// What the view comes from, from (pixel, depth) of the buffer, guard band included. In double precision: with a near
+// plane of centimetres and a far one of hundreds of metres the matrix is hard to invert.
+mat4 SceneRenderer::from_buffer(const mat4& view) const {
     const bool zero_to_one = desc_.layers.clip == DGB_CLIP_ZERO_TO_ONE;
     const glm::dvec3 first(-1.0, -1.0, zero_to_one ? 0.0 : -1.0); // pixel (0, 0), depth 0
     const glm::dvec3 step(2.0 / plan().width, 2.0 / plan().height, zero_to_one ? 1.0 : 2.0);
     const glm::dmat4 clip_from_buffer = glm::scale(glm::translate(glm::dmat4(1.0), first), step);
-    return mat4(glm::inverse(glm::dmat4(projection_) * glm::dmat4(view_)) * clip_from_buffer);
+    return mat4(glm::inverse(glm::dmat4(projection_) * glm::dmat4(view)) * clip_from_buffer);
 }
 
 // Layer 0's radiance, which is still emission alone, goes to the target of full precision.
@@ -430,21 +444,17 @@ void SceneRenderer::copy_emission() {
 void SceneRenderer::light_layers() {
     desc_.times->begin();
     copy_emission();
-    if (desc_.light.sun.strength > 0.0f) {
+    if (desc_.lights != nullptr && !desc_.lights->empty()) {
         const GLuint program = light_program_.name();
         glUseProgram(program);
         glBindVertexArray(no_vertices_.name());
         bind_layer(program, "u_depth", 0, texture(DGB_DEPTH));
         bind_layer(program, "u_albedo", 1, texture(DGB_ALBEDO));
         bind_layer(program, "u_normal", 2, texture(DGB_NORMAL));
-        bind_texture(program, "u_shadow_map", 3, GL_TEXTURE_2D, desc_.shadows->texture.name());
+        desc_.lights->bind(program, 3);
         set_uniform(program, "u_empty_depth", empty_depth());
         set_uniform(program, "u_view", view_);
         set_uniform(program, "u_world_from_buffer", world_from_buffer());
-        set_uniform(program, "u_shadow_from_world", desc_.shadows->from_world);
-        set_uniform(program, "u_to_sun", glm::normalize(desc_.light.sun.direction));
-        set_uniform(program, "u_strength", desc_.light.sun.strength);
-        set_uniform(program, "u_normal_offset", kNormalOffset * desc_.shadows->texel);
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         for (int layer = 0; layer < plan().layers; ++layer) {
@@ -476,11 +486,16 @@ void SceneRenderer::composite() {
     bind_texture(program, "u_direct", 2, GL_TEXTURE_2D, direct_.name());
     bind_if_there("u_ao", 3, DGB_AO);
     bind_if_there("u_irradiance", 4, DGB_IRRADIANCE);
+    bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_guard", desc_.layers.guard_band);
     set_uniform(program, "u_empty_depth", empty_depth());
-    set_uniform(program, "u_sky", desc_.light.sky);
+    set_uniform(program, "u_view", view_);
+    set_uniform(program, "u_rays_from_buffer", rays_from_buffer());
+    const Sky& sky = desc_.sky;
+    set_uniform(program, "u_sky", std::vector<vec3>{sky.zenith, sky.horizon, sky.ground});
+    set_uniform(program, "u_probe", std::vector<vec3>(desc_.probe.begin(), desc_.probe.end()));
     draw_fullscreen();
     desc_.times->end("composite");
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "scene_gpu.hpp"
+#include "scene_lights.hpp"
+#include "scene_probe.hpp"
 
 #include "deepgbuffer.h"
 #include "deepgbuffer_gl.h"
@@ -13,11 +15,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-struct Light {
-    Sun sun;
-    glm::vec3 sky{0.0f}; // the same radiance from everywhere, W/m2/sr
-};
 
 struct PassTime {
     std::string name;
@@ -48,8 +45,9 @@ struct RendererDesc { // what the pointers point to must outlive the renderer
     dgbgl_get_proc_fn get_proc = nullptr;
     dgb_desc layers{}; // without backend and log
     const GpuScene* scene = nullptr;
-    const ShadowMap* shadows = nullptr; // null only when there is no sun
-    Light light;
+    const SceneLights* lights = nullptr; // null: none
+    Sky sky;                             // what is seen where there is no surface,
+    Probe probe{};                       // and what a surface gets from where none is known
     PassTimes* times = nullptr;
 };
 
@@ -66,7 +64,7 @@ public:
     SceneRenderer(const SceneRenderer&) = delete;
     SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-    // One frame, in two halves. The shadow map must show the pose drawn by the time of the second.
+    // One frame, in two halves. The lights must be where the pose drawn has them by the time of the second.
     void build(const SceneFrame& frame, const dgb_params& params);
     void shade(const dgb_params& params);
     // Both, for a scene in which nothing moves.
@@ -121,6 +119,8 @@ private:
     void composite();
     void collect_gpu_times();
     glm::mat4 world_from_buffer() const;
+    glm::mat4 rays_from_buffer() const;
+    glm::mat4 from_buffer(const glm::mat4& view) const;
     float empty_depth() const { return desc_.layers.reversed ? 0.0f : 1.0f; }
     bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
     GLuint texture(dgb_slot slot) const;

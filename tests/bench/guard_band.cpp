@@ -48,8 +48,8 @@ bool is_near_border(size_t pixel) {
     return std::min({x, y, kWidth - 1 - x, kHeight - 1 - y}) < kBorder;
 }
 
-std::unique_ptr<SceneRenderer> make_renderer(int band, const GpuScene& scene, const ShadowMap& shadows,
-                                             const Light& light, PassTimes* times) {
+std::unique_ptr<SceneRenderer> make_renderer(int band, const GpuScene& scene, const SceneLights& lights,
+                                             PassTimes* times) {
     RendererDesc desc;
     desc.get_proc = headless_get_proc;
     desc.layers.width = kWidth;
@@ -57,8 +57,9 @@ std::unique_ptr<SceneRenderer> make_renderer(int band, const GpuScene& scene, co
     desc.layers.guard_band = band;
     desc.layers.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
     desc.scene = &scene;
-    desc.shadows = &shadows;
-    desc.light = light;
+    desc.lights = &lights;
+    desc.sky = uniform_sky(glm::vec3(0.2f));
+    desc.probe = probe_of(desc.sky);
     desc.times = times;
     return std::make_unique<SceneRenderer>(desc);
 }
@@ -93,11 +94,11 @@ void print_table(const View& view, int frames, const std::array<Errors, kBands.s
 void run(const std::string& argument, int frames) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    const Light light{{glm::make_vec3(kSunDirection), 4.0f}, glm::vec3(0.2f)};
-    const ShadowMap shadows = render_shadow_map(view.scene, scene, light.sun);
+    SceneLights lights(view.scene, scene, {sun_light(glm::make_vec3(kSunDirection), 4.0f)});
+    lights.update(*scene.first_pose());
     PassTimes times(false);
     std::vector<std::unique_ptr<SceneRenderer>> renderers;
-    for (int band : kBands) { renderers.push_back(make_renderer(band, scene, shadows, light, &times)); }
+    for (int band : kBands) { renderers.push_back(make_renderer(band, scene, lights, &times)); }
 
     dgb_params params = dgb_preset(DGB_PRESET_QUALITY);
     params.ao_samples = params.samples = kTaps;

@@ -47,7 +47,8 @@ constexpr size_t kPeel = 0, kPrevious = 1, kReproject = 2, kPredictTrue = 4, kDe
 class Stage {
 public:
     explicit Stage(const std::string& argument)
-        : view_(load_view(argument)), gpu_(view_.scene), shadows_(make_shadow_map(view_.scene, gpu_, light_.sun)) {}
+        : view_(load_view(argument)), gpu_(view_.scene),
+          lights_(view_.scene, gpu_, {sun_light(glm::make_vec3(kSunDirection), 4.0f)}) {}
 
     const std::string& name() const { return view_.name; }
     // Gives the second view of a scene another name than the first.
@@ -58,22 +59,20 @@ public:
         }
     }
     const GpuScene& gpu() const { return gpu_; }
-    const Light& light() const { return light_; }
-    const ShadowMap& shadows() const { return shadows_; }
+    const SceneLights& lights() const { return lights_; }
     float size() const { return glm::length(view_.scene.bounds_max - view_.scene.bounds_min); } // metres
     glm::mat4 projection() const { return projection_matrix(view_.camera, kAspect, ClipRange::standard); }
 
     // Everything at a frame: the one place where time passes.
     SceneFrame at(int frame, Motion motion, bool knows_next);
-    void show_shadows_of(const GpuPose& pose) { update_shadow_map(gpu_, pose, &shadows_); }
+    void show_shadows_of(const GpuPose& pose) { lights_.update(pose); }
 
 private:
     std::shared_ptr<const GpuPose> pose_at(int frame);
 
     View view_;
-    Light light_{{glm::make_vec3(kSunDirection), 4.0f}, glm::vec3(0.2f)};
     GpuScene gpu_;
-    ShadowMap shadows_;
+    SceneLights lights_;
     std::map<int, std::shared_ptr<const GpuPose>> poses_;
 };
 
@@ -131,8 +130,9 @@ public:
         desc.layers.emission = DGB_EMISSION_SEPARATE;
         desc.layers.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
         desc.scene = &stage->gpu();
-        desc.shadows = &stage->shadows();
-        desc.light = stage->light();
+        desc.lights = &stage->lights();
+        desc.sky = uniform_sky(glm::vec3(0.2f));
+        desc.probe = probe_of(desc.sky);
         desc.times = &times_;
         renderer_ = std::make_unique<SceneRenderer>(desc);
     }

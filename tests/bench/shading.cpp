@@ -99,7 +99,7 @@ void print_table(const View& view, Taps taps, const Samples& one, const Samples&
     print_goal("reconstruct / (ao + gather)", median_ratio(two.at("reconstruct"), sum(two, {"ao", "gather"})), 0.80);
 }
 
-void run(const View& view, const GpuScene& scene, const ShadowMap& shadows, const Light& light, Taps taps) {
+void run(const View& view, const GpuScene& scene, const SceneLights& lights, Taps taps) {
     PassTimes times[2] = {PassTimes(true), PassTimes(true)}, copy_times(true);
     std::vector<std::unique_ptr<SceneRenderer>> renderers;
     for (int layers = 1; layers <= 2; ++layers) {
@@ -107,8 +107,9 @@ void run(const View& view, const GpuScene& scene, const ShadowMap& shadows, cons
         desc.get_proc = headless_get_proc;
         desc.layers = layers_desc(layers);
         desc.scene = &scene;
-        desc.shadows = &shadows;
-        desc.light = light;
+        desc.lights = &lights;
+        desc.sky = uniform_sky(glm::vec3(0.2f));
+        desc.probe = probe_of(desc.sky);
         desc.times = &times[layers - 1];
         renderers.push_back(std::make_unique<SceneRenderer>(desc));
     }
@@ -127,9 +128,9 @@ void run(const View& view, const GpuScene& scene, const ShadowMap& shadows, cons
 void run(const std::string& argument) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    const Light light{{{0.3f, 0.6f, 0.7f}, 4.0f}, glm::vec3(0.2f)};
-    const ShadowMap shadows = render_shadow_map(view.scene, scene, light.sun);
-    for (const Taps taps : kTaps) { run(view, scene, shadows, light, taps); }
+    SceneLights lights(view.scene, scene, {sun_light({0.3f, 0.6f, 0.7f}, 4.0f)});
+    lights.update(*scene.first_pose());
+    for (const Taps taps : kTaps) { run(view, scene, lights, taps); }
 }
 
 void run(const Options& options) {

@@ -25,7 +25,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 # >> help and plan need no GPU
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
-         camera sun sky ortho exposure profile frames orbit clip dump json plan help divisor time fps'
+         camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -99,7 +99,9 @@ refused_values --ao-radius   0 -1 nan inf far
 refused_values --camera      1,2,3 0,0,0,0,0,0,60 0,0,1,0,0,0,0 0,0,1,0,0,0,180 0,0,1,0,0,0,x \
                              0,0,inf,0,0,0,60
 refused_values --sun         1,2,3 0,0,0,1 1,1,1,-1 1,1,1,nan up ''
+refused_values --point       1,2,3 1,2,3,-1 1,2,3,nan 1,2,inf,1 1,2,3,4,5 here ''
 refused_values --sky         1 1,1,-1 1,1,inf 1,1,1,1 ''
+refused_values --probe       none SKY 1 ''
 refused_values --ortho       0 -1 nan inf
 refused_values --exposure    nan 31 bright
 refused_values --frames      0 -1 1.5 few
@@ -364,7 +366,7 @@ parses() {
     fi
 }
 has_keys() {
-    for key in renderer width height guard layers oracle emission build triangles draw_calls vertices_shaded \
+    for key in renderer width height guard layers oracle emission lights shadow_maps probe probe_harmonics build triangles draw_calls vertices_shaded \
                passes name cpu_ms median min max gpu_ms textures bytes bytes_total hash; do
         grep -q "\"$key\": " report.json || { echo "$key is missing"; return 1; }
     done
@@ -412,6 +414,7 @@ check "--radius 2, another picture"            another --radius 2
 check "--ao-samples 5, another picture"        another --ao-samples 5
 check "--ao-radius 3, another picture"         another --ao-radius 3
 check "--sun none, another picture"            another --sun none
+check "--point 0,1,0,9, another picture"       another --point 0,1,0,9
 check "--sky 0,0,0, another picture"           another --sky 0,0,0
 check "--exposure 1, another picture"          another --exposure 1
 check "--orbit 5, another picture"             another --orbit 5
