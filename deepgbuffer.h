@@ -551,7 +551,8 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
     float history_floor;     /* or within this, m */
 
-    bool adaptive; /* skip the second layer in tiles where it cannot matter; the results are the same */
+    bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
+    bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
 
     int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
     int filter_step;        /* pixels from tap to tap, 1..8 */
@@ -689,7 +690,7 @@ typedef struct dgb_ao_uniforms {
     int32_t size[4];  /* buffer width and height, taps, frame */
     int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
     float radius[4];  /* r (m), 1/r^2, beta (m), epsilon (m^2) */
-    float scale[4];   /* pi / N, intensity, largest radius in pixels */
+    float scale[4];   /* pi / N, intensity, largest radius in pixels, 0 to leave out first-layer occluders */
     float taps[DGB_MAX_TAPS][4];
 } dgb_ao_uniforms;
 
@@ -698,6 +699,7 @@ typedef struct dgb_gather_uniforms {
     int32_t size[4];  /* buffer width and height, taps, frame */
     int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
     float radius[4];  /* r (m), r^2, normaliser k, largest radius in pixels */
+    float first[4];   /* x: 0 to leave out first-layer senders */
     float taps[DGB_MAX_TAPS][4];
 } dgb_gather_uniforms;
 
@@ -2368,7 +2370,8 @@ static void dgbi_fill_reprojection(const dgb_context* c, const dgb_params* q, bo
 static bool dgbi_same_result(const dgb_params* a, const dgb_params* b) {
     const float x[] = {a->separation, a->ao_radius, a->ao_bias, a->ao_epsilon, a->ao_intensity, a->radius},
                 y[] = {b->separation, b->ao_radius, b->ao_bias, b->ao_epsilon, b->ao_intensity, b->radius};
-    return memcmp(x, y, sizeof x) == 0 && a->strict_separation == b->strict_separation;
+    return memcmp(x, y, sizeof x) == 0 && a->strict_separation == b->strict_separation &&
+           a->second_alone == b->second_alone;
 }
 
 static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pack_uniforms* u) {
@@ -2438,6 +2441,7 @@ static void dgbi_ao_uniforms(const dgb_context* c, const dgb_params* q, dgb_ao_u
     u->scale[0] = (float)(DGBI_PI / q->ao_samples);
     u->scale[1] = q->ao_intensity;
     u->scale[2] = dgbi_max_reach(c);
+    u->scale[3] = q->second_alone ? 0.0f : 1.0f;
     dgbi_fill_taps(q->ao_samples, u->taps);
 }
 
@@ -2450,6 +2454,7 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     u->radius[1] = q->radius * q->radius;
     u->radius[2] = c->desc.normaliser == DGB_NORMALISER_BOUNDED ? 1.0f : 0.0f;
     u->radius[3] = dgbi_max_reach(c);
+    u->first[0] = q->second_alone ? 0.0f : 1.0f;
     dgbi_fill_taps(q->samples, u->taps);
 }
 

@@ -6,7 +6,7 @@ layout(std140) uniform dgb_ao_block {
     ivec4      dgb_ao_size;   // buffer width, height, taps, frame
     ivec4      dgb_ao_level;  // log2 q, min level, max level, 1: the second layer matters everywhere
     vec4       dgb_ao_radius; // r (m), 1/r^2, beta (m), epsilon (m^2)
-    vec4       dgb_ao_scale;  // pi / taps, intensity, largest reach (pixels)
+    vec4       dgb_ao_scale;  // pi / taps, intensity, largest reach (pixels), 0 to leave out first-layer occluders
     vec4       dgb_ao_taps[DGB_MAX_TAPS];
 };
 
@@ -38,7 +38,7 @@ float dgb_tap_occlusion(int i, dgb_shaded s, bool second) {
     vec2    ray_z = at * dgb_ao_camera.position_z.xy + dgb_ao_camera.position_z.zw;
     vec2    ray_1 = at * dgb_ao_camera.position_1.xy + (dgb_ao_camera.position_1.zw - s.x.xy);
     vec2    zs    = texelFetch(dgb_z, tap.texel, tap.level).xy;
-    float   a2    = dgb_occlusion_squared(ray_z, ray_1, zs.x, s.x.z, s.n);
+    float   a2    = dgb_occlusion_squared(ray_z, ray_1, zs.x, s.x.z, s.n) * dgb_ao_scale.w;
 #if DGB_LAYERS > 1
     if (second) {
 #if DGB_DIVISOR > 1

@@ -7,6 +7,7 @@ layout(std140) uniform dgb_gather_block {
     ivec4      dgb_gather_size;   // buffer width, height, taps, frame
     ivec4      dgb_gather_level;  // log2 q, min level, max level, 1: the second layer matters everywhere
     vec4       dgb_gather_radius; // r (m), r^2, normaliser k, largest reach (pixels)
+    vec4       dgb_gather_first;  // x: 0 to leave out first-layer senders
     vec4       dgb_gather_taps[DGB_MAX_TAPS];
 };
 
@@ -114,7 +115,7 @@ void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_recei
 #else
     vec4 ns = vec4(0.0);
 #endif
-    dgb_sender s0 = dgb_sender_at(vec2(tap.pixel) + 0.5, zs.x, ns.xy, b0, weight);
+    dgb_sender s0 = dgb_sender_at(vec2(tap.pixel) + 0.5, zs.x, ns.xy, b0, weight * dgb_gather_first.x);
 #if DGB_LAYERS > 1
     if (second) {
         vec3       b1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb;

@@ -58,8 +58,8 @@ static const member ao_members[] = {
 
 static const member gather_members[] = {
     CAMERA("dgb_gather_camera", dgb_gather_uniforms, camera), VALUE("dgb_gather_size", dgb_gather_uniforms, size),
-    VALUE("dgb_gather_level", dgb_gather_uniforms, level), VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
-    ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
+    VALUE("dgb_gather_level", dgb_gather_uniforms, level),    VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
+    VALUE("dgb_gather_first", dgb_gather_uniforms, first),    ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
 
 static const member temporal_members[] = {CAMERA("dgb_temporal_camera", dgb_temporal_uniforms, camera),
                                           VALUE("dgb_temporal_weight", dgb_temporal_uniforms, weight),
