@@ -187,6 +187,107 @@ static void test_nothing_behind(void** state) {
     assert_true(skipped[0] == 1.0 && skipped[1] == 1.0 && skipped[2] == 1.0);
 }
 
+/* >> scattered second-layer texels, each of which alone may matter */
+
+static GLuint upload(GLint internal, GLenum format, const setup* s, const float* texels) {
+    GLuint name;
+    glGenTextures(1, &name);
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, internal, s->width, s->height, 0, format, GL_FLOAT, texels);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return name;
+}
+
+static uint32_t random_state = 1u;
+
+static float random_unit(void) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return (float)(random_state >> 8) / 16777216.0f;
+}
+
+/* Window depth of camera z. */
+static float depth_of(const dgb_view* view, float z) {
+    const float* p = view->projection;
+    return 0.5f * (p[10] * z + p[14]) / (p[11] * z + p[15]) + 0.5f;
+}
+
+/* A wall 10 m away whose normals point anywhere, and few texels up to half a metre behind it: whether one is within reach of a pixel
+   hangs on its depth and its place, by a little. */
+static void scatter(const setup* s, const dgb_view* view, GLuint names[5], dgb_layers* layers) {
+    const int count = s->width * s->height;
+    float* depth[2] = {(float*)malloc((size_t)count * sizeof(float)), (float*)malloc((size_t)count * sizeof(float))};
+    float *normals = (float*)malloc((size_t)count * 3 * sizeof(float)),
+          *light = (float*)malloc((size_t)count * 3 * sizeof(float));
+    int i, k;
+    for (i = 0; i < count; ++i) {
+        depth[0][i] = depth_of(view, -10.0f);
+        depth[1][i] = random_unit() < 0.00005f ? depth_of(view, -10.05f - 0.5f * random_unit()) : 1.0f;
+        for (k = 0; k < 3; ++k) {
+            normals[3 * i + k] = 2.0f * random_unit() - 1.0f;
+            light[3 * i + k] = random_unit();
+        }
+    }
+    names[0] = upload(GL_R32F, GL_RED, s, depth[0]);
+    names[1] = upload(GL_R32F, GL_RED, s, depth[1]);
+    names[2] = upload(GL_RGB16F, GL_RGB, s, normals);
+    names[3] = upload(GL_RGB16F, GL_RGB, s, light);
+    names[4] = 0;
+    memset(layers, 0, sizeof *layers);
+    for (k = 0; k < 2; ++k) {
+        layers->depth[k] = dgbgl_texture(names[k]);
+        layers->normal[k] = dgbgl_texture(names[2]);
+        layers->radiance[k] = dgbgl_texture(names[3]);
+        free(depth[k]);
+    }
+    free(normals);
+    free(light);
+}
+
+static void test_scattered(void** state) {
+    static const float radii[] = {0.7f, 3.0f}; /* the second by regions */
+    int i;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        setup s = default_setup();
+        dgb_context c[2];
+        dgb_layers layers;
+        dgb_view view;
+        GLuint names[5];
+        int k;
+        s.width = 999; /* so that a texel is mostly alone within reach */
+        s.height = 601;
+        s.guard = 0;
+        s.params.separation = 0.02f;
+        s.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+        s.params.ao_radius = s.params.radius = radii[i];
+        s.params.samples = 128;
+        s.params.min_level = 0;
+        s.params.normal_test = false;
+        view = fixture_dgb_view(&s.view, s.width, s.height);
+        scatter(&s, &view, names, &layers);
+        for (k = 0; k < 2; ++k) {
+            dgb_desc d;
+            memset(&d, 0, sizeof d);
+            d.width = s.width;
+            d.height = s.height;
+            d.effects = s.effects;
+            d.source = DGB_SOURCE_ENGINE;
+            d.normals = DGB_NORMALS_FLOAT;
+            d.backend = &f.gl.backend;
+            d.log = fixture_log;
+            assert_int_equal(dgb_init(&c[k], &d), DGB_OK);
+            s.params.adaptive = k == 0;
+            assert_int_equal(dgb_set_layers(&c[k], &view, &layers), DGB_OK);
+            assert_int_equal(dgb_shade(&c[k], &s.params), DGB_OK);
+        }
+        assert_int_equal(differing(&c[0], &c[1], &s.params, DGB_AO_RAW, 1), 0);
+        assert_int_equal(differing(&c[0], &c[1], &s.params, DGB_IRRADIANCE_RAW, 4), 0);
+        for (k = 0; k < 2; ++k) dgb_shutdown(&c[k]);
+        glDeleteTextures(5, names);
+    }
+}
+
 static void test_no_messages(void** state) {
     (void)state;
     assert_int_equal(f.messages, 0);
@@ -206,10 +307,8 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_radii),
-        cmocka_unit_test(test_setups),
-        cmocka_unit_test(test_nothing_behind),
-        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_radii),     cmocka_unit_test(test_setups),      cmocka_unit_test(test_nothing_behind),
+        cmocka_unit_test(test_scattered), cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }
