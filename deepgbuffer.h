@@ -40,9 +40,11 @@
                     G-buffer and add the result to that layer of DGB_RADIANCE, or let the material shaders write lit
                     radiance in step 2. The image sits guard_band pixels inside the buffer; layers behind the first fill
                     width / divisor x height / divisor texels, texel q at pixel (q + 0.5) * divisor.
-       4 shade      dgb_shade runs the passes that desc.effects asked for.
+       4 shade      dgb_shade runs the passes that desc.effects asked for, once a frame. Called again on the same layers it
+                    is a further frame in which nothing has moved: one bounce more, one set of taps more.
        5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, confidence),
-                    AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere.
+                    AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere: a
+                    light probe, or a constant. dgbgl_composite_snippet has this as a GLSL function.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -59,12 +61,15 @@
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
              -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
              -> [predict]     PREDICT and DELAY: depth of the next pose
-             -> [pack]        camera z and normals of two layers, radiance of each: 160 bits a pixel
+             -> [pack]        camera z and normals of two layers, radiance of each, with BOUNCES plus what last frame's
+                              irradiance makes of it: 160 bits a pixel
              -> [mip]         chain made by copying one texel of four, never by averaging
+             -> [tiles]       where the second layer can matter at all
              -> [ao]          ambient visibility
-             -> [gather]      irradiance + confidence
-             -> [reconstruct] separable bilateral filter over both
-             -> your composite
+             -> [gather]      irradiance + confidence, with BOUNCES of both layers
+             -> [temporal]    TEMPORAL: average over frames along the motion of each surface
+             -> [reconstruct] separable bilateral filter over all of them
+             -> your composite, and next frame's pack
        What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
 
    CHOOSING A CONSTRUCTION
@@ -103,7 +108,18 @@
        rooms and courts), ao_radius (the size of a crease that should darken) and radius (how far light bounces).
        Then take a preset, the paper's Table 2; every number can be changed from frame to frame without compiling anything.
        samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
-       min_level trades noise for cache, guard_fraction matters to light that bounces on.
+       min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
+       results.
+       DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
+       What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
+       that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
+       DGB_EFFECT_TEMPORAL averages over frames, each of which takes other taps. history_weight 0.85 is the
+       paper's advice: more is smoother and lags behind moving lights. A surface that has just come into view averages the
+       frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
+       history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
+       First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
+       Confidence is the share of taps that found a sender. Both filters weigh light by it: a pixel whose taps found nothing
+       says nothing.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
@@ -153,9 +169,12 @@
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
+       No tap is farther from its pixel than the buffer's diagonal, however large the radius is in pixels.
+       Velocities carry no depth: of an object that moves towards the eye and not across, history is rejected.
 
    VERSION HISTORY
-       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, one bounce, reconstruction; OpenGL backend
+       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction;
+              OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H
@@ -848,11 +867,14 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
                              void* user);
 /* Instead of dgb_build: takes the engine's own layers for the next dgb_shade. */
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers);
-/* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. */
+/* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. Another call without new layers
+   is another frame in which nothing has moved. Two dgb_build without a call between them lose the history, whose velocities
+   reach back one frame. */
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
 
-/* A texture of the plan, id 0 if the plan has none. Valid until dgb_resize, dgb_shutdown, or, for DGB_DEPTH and
-   DGB_ORACLE, the next dgb_build: the two change places. */
+/* A texture of the plan, id 0 if the plan has none. Valid until dgb_resize, dgb_shutdown, or, for those that change places
+   with last frame's, the next dgb_build (DGB_DEPTH, DGB_ORACLE, DGB_PREDICTED) or dgb_shade (DGB_Z, DGB_FRAMES, the means,
+   and all DGB_LAST). DGB_AO and DGB_IRRADIANCE stay. */
 DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot);
 
 DGB_API const char* dgb_result_name(dgb_result result);       /* "DGB_OK"; "?" out of range, here and below */

@@ -56,7 +56,7 @@
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 5 and one uniform buffer binding. During your draw callback the oracle sits
+       Full-screen passes use texture units 0 to 13 and one uniform buffer binding. During your draw callback the oracle sits
        in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
        with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
@@ -303,6 +303,10 @@ typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions w
    is then untouched. */
 DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
                                    double milliseconds[DGB_EMISSION_COUNT]);
+
+/* GLSL of dgb_fallback(probe, visibility, irradiance), which mixes the library's light with a probe's by its confidence: put
+   it into the shader that composites, after #version. As snprintf. */
+DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
@@ -1610,6 +1614,19 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     0
 };
 
+static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
+    "#line 700001\n"
+    "// Composite: the one line that an engine needs, for Lambert surfaces. Light the surface with\n"
+    "//     emission + direct + albedo / pi * dgb_fallback(...)\n"
+    "\n"
+    "// Irradiance, W/m2. probe: what comes from where nothing is known: a light probe's irradiance for the normal, or a constant.\n"
+    "// visibility: of DGB_AO; 1 without. irradiance: of DGB_IRRADIANCE; vec4(0) without.\n"
+    "vec3 dgb_fallback(vec3 probe, float visibility, vec4 irradiance) {\n"
+    "    return mix(visibility * probe, irradiance.rgb, irradiance.a);\n"
+    "}\n",
+    0
+};
+
 /* clang-format on */
 /* << embedded GLSL */
 
@@ -2226,6 +2243,12 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     case DGB_PASS_PREDICT:
     case DGB_PASS_COUNT: break;
     }
+}
+
+DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity) {
+    dgbgli_text t = dgbgli_text_on(text, capacity);
+    dgbgli_put_chunks(&t, dgbgli_glsl_composite);
+    return t.length;
 }
 
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
