@@ -2,6 +2,7 @@
    for any image. */
 #include "gl_fixture.h"
 #include "reference.h"
+#include "tally.h"
 
 #include <float.h>
 #include <math.h>
@@ -232,47 +233,6 @@ static shot take(const setup* s) {
    rounded) and by the error that the reference derives for float arithmetic, of which llvmpipe needs a third
    at most. One pixel in 10,000 may be off by more: a tap on the other side of a texel's edge. */
 
-typedef struct tally {
-    const char* what;
-    int pixels, wrong, doubtful, unsure;
-    double worst, sum; /* of |difference| in units of the storage: codes or ulps */
-    double needed;     /* largest share of the float error's bound that a right value needed */
-} tally;
-
-static void report(const tally* t) {
-    printf("#     %-12s %6d pixels, %d wrong, %d doubtful, %d unsure; off by %.3f at most, %.3f on average; "
-           "%.4f of the bound needed\n",
-           t->what, t->pixels, t->wrong, t->doubtful, t->unsure, t->worst, t->pixels ? t->sum / t->pixels : 0.0,
-           t->needed);
-    assert_true(t->wrong + t->unsure <= t->pixels / 10000 + (t->pixels > 1000 ? 1 : 0));
-}
-
-static void count_value(tally* t, double difference, bool right) {
-    ++t->pixels;
-    t->sum += difference;
-    t->worst = right && difference > t->worst ? difference : t->worst;
-    t->wrong += !right;
-}
-
-static double half_ulp_size(double x) {
-    int exponent;
-    (void)frexp(fabs(x), &exponent);
-    return ldexp(1.0, exponent - 11 < -24 ? -24 : exponent - 11);
-}
-
-/* Whether half-stored `value` may come from anything in low..high. */
-static void count_half(tally* t, double value, double low, double high) {
-    const double ulp = half_ulp_size(value), middle = 0.5 * (low + high), beyond = fabs(value - middle) - ulp;
-    const bool right = value >= low - ulp && value <= high + ulp;
-    count_value(t, fabs(value - middle) / ulp, right);
-    if (right && high > low && beyond / (0.5 * (high - low)) > t->needed) t->needed = beyond / (0.5 * (high - low));
-}
-
-/* Whether `code` of 255 may come from a visibility in low..high; reference: without float errors. */
-static void count_code(tally* t, double code, double low, double high, double exact) {
-    count_value(t, fabs(code - 255.0 * exact), code >= 255.0 * low - 0.5 && code <= 255.0 * high + 0.5);
-}
-
 /* How much of its error bound the sum under the root needs to reach the code stored. */
 static double needed_share(const reference_ao* ao, const dgb_params* q, double code) {
     const double edge[2] = {(code - 0.5) / 255.0, (code + 0.5) / 255.0}, scale = q->ao_samples / 3.14159265358979323846;
@@ -283,7 +243,7 @@ static double needed_share(const reference_ao* ao, const dgb_params* q, double c
 }
 
 static void compare_ao(const shot* s, const dgb_params* q) {
-    tally t = {"ao raw", 0, 0, 0, 0, 0.0, 0.0, 0.0};
+    tally t = tally_of("ao raw");
     int x, y;
     for (y = s->rect[1]; y <= s->rect[3]; ++y)
         for (x = s->rect[0]; x <= s->rect[2]; ++x) {
@@ -291,53 +251,53 @@ static void compare_ao(const shot* s, const dgb_params* q) {
             const double code = floor(255.0 * (double)s->ao_raw[y * s->r.width + x] + 0.5);
             const double need = needed_share(&ao, q, code);
             const int wrong = t.wrong;
-            count_code(&t, code, reference_visibility(&ao, q, ao.sum + ao.error) - 1e-6,
+            tally_code(&t, code, reference_visibility(&ao, q, ao.sum + ao.error) - 1e-6,
                        reference_visibility(&ao, q, ao.sum - ao.error) + 1e-6, reference_visibility(&ao, q, ao.sum));
             if (t.wrong == wrong && need > t.needed) t.needed = need;
         }
-    report(&t);
+    tally_report(&t);
 }
 
 static void compare_light(const shot* s, const setup* how) {
-    tally t = {"irradiance", 0, 0, 0, 0, 0.0, 0.0, 0.0}, confidence = {"confidence", 0, 0, 0, 0, 0.0, 0.0, 0.0};
-    tally doubtful = {"in plane", 0, 0, 0, 0, 0.0, 0.0, 0.0};
+    tally t = tally_of("irradiance"), confidence = tally_of("confidence");
+    tally doubtful = tally_of("in plane");
     int x, y, i;
     for (y = s->rect[1]; y <= s->rect[3]; ++y)
         for (x = s->rect[0]; x <= s->rect[2]; ++x) {
-            const reference_light e = reference_irradiance(&s->r, &how->params, how->senders, how->normaliser, x, y);
+            const reference_light e = reference_irradiance(&s->r, &how->params, how->senders, how->normaliser, 0, x, y);
             const float* value = s->irradiance_raw + 4 * (y * s->r.width + x);
             doubtful.doubtful += e.doubtful > 0;
             t.unsure += e.unsure;
             if (e.unsure) continue;
-            for (i = 0; i < 3; ++i) count_half(e.doubtful ? &doubtful : &t, (double)value[i], e.low[i], e.high[i]);
-            count_half(&confidence, (double)value[3], e.low_confidence, e.high_confidence);
+            for (i = 0; i < 3; ++i) tally_half(e.doubtful ? &doubtful : &t, (double)value[i], e.low[i], e.high[i]);
+            tally_half(&confidence, (double)value[3], e.low_confidence, e.high_confidence);
         }
-    report(&t);
-    report(&doubtful);
+    tally_report(&t);
+    tally_report(&doubtful);
     /* with the normal test next to nothing hangs on rounding, or the comparison would mean little */
     if (how->params.normal_test) assert_true(20 * doubtful.doubtful <= t.pixels + doubtful.pixels);
-    report(&confidence);
+    tally_report(&confidence);
 }
 
 /* Along one axis, from the image that the pass read to the one it wrote. */
 static void compare_filter(const shot* s, const dgb_params* q, int axis) {
     const float *from_ao = axis ? s->ao_half : s->ao_raw, *to_ao = axis ? s->ao : s->ao_half;
     const float *from = axis ? s->irradiance_half : s->irradiance_raw, *to = axis ? s->irradiance : s->irradiance_half;
-    tally ao = {axis ? "ao" : "ao half", 0, 0, 0, 0, 0.0, 0.0, 0.0};
-    tally e = {axis ? "E" : "E half", 0, 0, 0, 0, 0.0, 0.0, 0.0};
+    tally ao = tally_of(axis ? "ao" : "ao half");
+    tally e = tally_of(axis ? "E" : "E half");
     int x, y, i;
     for (y = s->rect[1]; y <= s->rect[3]; ++y)
         for (x = s->rect[0]; x <= s->rect[2]; ++x) {
             const int at = y * s->r.width + x;
-            const reference_filtered a = reference_reconstruct(&s->r, q, axis, s->rect, from_ao, 1, x, y);
-            const reference_filtered b = reference_reconstruct(&s->r, q, axis, s->rect, from, 4, x, y);
-            count_code(&ao, floor(255.0 * (double)to_ao[at] + 0.5), a.value[0] - a.error[0], a.value[0] + a.error[0],
+            const reference_filtered a = reference_reconstruct(&s->r, q, axis, 0, s->rect, from_ao, 1, x, y);
+            const reference_filtered b = reference_reconstruct(&s->r, q, axis, 0, s->rect, from, 4, x, y);
+            tally_code(&ao, floor(255.0 * (double)to_ao[at] + 0.5), a.value[0] - a.error[0], a.value[0] + a.error[0],
                        a.value[0]);
             for (i = 0; i < 4; ++i)
-                count_half(&e, (double)to[4 * at + i], b.value[i] - b.error[i], b.value[i] + b.error[i]);
+                tally_half(&e, (double)to[4 * at + i], b.value[i] - b.error[i], b.value[i] + b.error[i]);
         }
-    report(&ao);
-    report(&e);
+    tally_report(&ao);
+    tally_report(&e);
 }
 
 static void compare_levels(const shot* s) {
@@ -930,7 +890,7 @@ static void check_constant(setup* s, float ao_value, const float light[4], doubl
             assert_true(t.ao[at] == t.ao_raw[at]);
             for (i = 0; i < 4; ++i) {
                 const double value = (double)t.irradiance_raw[4 * at + i];
-                const double off = fabs((double)t.irradiance[4 * at + i] - value) / half_ulp_size(value);
+                const double off = fabs((double)t.irradiance[4 * at + i] - value) / tally_half_ulp(value);
                 worst = off > worst ? off : worst;
             }
         }

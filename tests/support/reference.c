@@ -159,7 +159,7 @@ static int clamped_pixel(float position, int size) {
 
 static place tap_place(const reference* r, int x, int y, int i, int count, float reach, int log2_q, int min_level) {
     float tap[3], turn[2], h, c, s;
-    int hash = dgb_pixel_hash(x, y, 0), last = r->levels - 1, axis, step;
+    int hash = dgb_pixel_hash(x, y, r->frame), last = r->levels - 1, axis, step;
     const int size[2] = {r->width, r->height};
     place p;
     dgb_spiral_tap(i, count, tap);
@@ -365,40 +365,358 @@ static void normalise(const gathered* g, const dgb_params* q, dgb_normaliser nor
 }
 
 reference_light reference_irradiance(const reference* r, const dgb_params* q, dgb_senders senders,
-                                     dgb_normaliser normaliser, int x, int y) {
+                                     dgb_normaliser normaliser, int layer, int x, int y) {
     const place here = place_of(x, y);
-    const double z = z_at(r, &here, 0);
+    const double z = z_at(r, &here, layer);
+    const float reach = reach_of(r, z_at(r, &here, 0), q->radius);
     reference_light e;
     gathered g;
     double point[3], n[3];
-    int i, layer;
+    int i, l;
     memset(&e, 0, sizeof e);
     memset(&g, 0, sizeof g);
-    if (z == 0.0) return e;
-    point_at(r, here.pixel, z, point);
-    normal_at(r, &here, 0, n);
+    if (z == 0.0 || z_at(r, &here, 0) == 0.0) return e;
+    point_in(r, layer, here.pixel, z, point);
+    normal_at(r, &here, layer, n);
     for (i = 0; i < q->samples; ++i) {
-        const place tap = tap_place(r, x, y, i, q->samples, reach_of(r, z, q->radius), DGB_GATHER_LOG2_Q, q->min_level);
+        const place tap = tap_place(r, x, y, i, q->samples, reach, DGB_GATHER_LOG2_Q, q->min_level);
         sender under[2];
         if (!tap.inside || (tap.pixel[0] == x && tap.pixel[1] == y)) continue;
-        for (layer = 0; layer < r->layers; ++layer) under[layer] = sender_at(r, q, &tap, layer, point, n);
+        for (l = 0; l < r->layers; ++l) under[l] = sender_at(r, q, &tap, l, point, n);
         add_tap(&g, under, r->layers, senders);
     }
     normalise(&g, q, normaliser, &e);
     return e;
 }
 
+/* >> last frame */
+
+void reference_set_views(reference_last* last, const float now[16], const float then[16]) {
+    const double a[3][3] = {{now[0], now[4], now[8]}, {now[1], now[5], now[9]}, {now[2], now[6], now[10]}};
+    double inverse[3][3], determinant = 0.0;
+    int row, column, k;
+    for (row = 0; row < 3; ++row)
+        for (column = 0; column < 3; ++column) /* transposed cofactors */
+            inverse[column][row] = a[(row + 1) % 3][(column + 1) % 3] * a[(row + 2) % 3][(column + 2) % 3] -
+                                   a[(row + 1) % 3][(column + 2) % 3] * a[(row + 2) % 3][(column + 1) % 3];
+    for (k = 0; k < 3; ++k) determinant += a[0][k] * inverse[k][0];
+    for (row = 0; row < 3; ++row) {
+        double moved = (double)then[12 + row];
+        for (column = 0; column < 3; ++column) {
+            double sum = 0.0;
+            for (k = 0; k < 3; ++k) sum += (double)then[4 * k + row] * inverse[k][column] / determinant;
+            last->to_last[3 * column + row] = sum;
+            moved -= sum * (double)now[12 + column];
+        }
+        last->to_last[9 + row] = moved;
+    }
+}
+
+typedef struct past { /* where a point was last frame */
+    float pixel[2];   /* by float arithmetic: which texels are asked must not hang on rounding */
+    double point[3], normal[3], point_error;
+    double tolerance, tolerance_error; /* less than 0: nobody knows */
+} past;
+
+/* Pixels of `size` per unit, for one axis: ndc w = p_x x + p_z z + p_1. */
+static double project_axis(const double p[16], int axis, int size, const double point[3]) {
+    const double w = p[11] * point[2] + p[15];
+    return ((p[5 * axis] * point[axis] + p[8 + axis] * point[2] + p[12 + axis]) / w + 1.0) * 0.5 * size;
+}
+
+static void past_point(const reference* r, const reference_last* last, int layer, const place* here, past* p) {
+    const double* m = last->to_last;
+    const double z = z_at(r, here, layer);
+    double x[3], n[3], largest = 0.0, error = point_error(r, z);
+    int row, column;
+    point_in(r, layer, here->pixel, z, x);
+    normal_at(r, here, layer, n);
+    for (row = 0; row < 3; ++row) {
+        double size = fabs(m[9 + row]);
+        p->point[row] = m[9 + row];
+        p->normal[row] = 0.0;
+        for (column = 0; column < 3; ++column) {
+            p->point[row] += m[3 * column + row] * x[column];
+            p->normal[row] += m[3 * column + row] * n[column];
+            size += fabs(m[3 * column + row] * x[column]);
+        }
+        largest = larger(largest, size);
+    }
+    p->point_error = 2.0 * error + 8.0 * REFERENCE_EPSILON * largest;
+}
+
+/* How far across an object moved by itself, m; it may have come as much nearer. */
+static double own_motion(const reference* r, const reference_last* last, const past* p, double* error) {
+    const double* m = last->projection;
+    const int size[2] = {r->width, r->height};
+    const double w = m[11] * p->point[2] + m[15], pixels_per_metre = 0.5 * fabs(m[5]) * r->height / w;
+    double own[2];
+    int axis;
+    for (axis = 0; axis < 2; ++axis) own[axis] = (double)p->pixel[axis] - project_axis(m, axis, size[axis], p->point);
+    *error = 4.0 * p->point_error +
+             16.0 * REFERENCE_EPSILON * ((double)(r->width + r->height) / pixels_per_metre + fabs(p->point[2]));
+    return sqrt(own[0] * own[0] + own[1] * own[1]) / pixels_per_metre;
+}
+
+static past past_of(const reference* r, const reference_last* last, const dgb_params* q, int layer, const place* here) {
+    const float* velocity = last->velocity[layer] + 3 * (here->pixel[1] * r->width + here->pixel[0]);
+    const int divisor = layer > 0 ? r->divisor : 1;
+    double error = 0.0;
+    bool usable = last->usable;
+    past p;
+    int axis;
+    memset(&p, 0, sizeof p);
+    p.tolerance = -1.0;
+    past_point(r, last, layer, here, &p);
+    for (axis = 0; axis < 2; ++axis) {
+        const float centre = ((float)(here->pixel[axis] / divisor) + 0.5f) * (float)divisor;
+        p.pixel[axis] = last->still ? centre : centre - velocity[axis];
+        usable = usable && p.pixel[axis] >= (float)last->rect[axis] &&
+                 p.pixel[axis] < (float)(last->rect[2 + axis] + 1); /* and not NaN */
+    }
+    if (!usable || !(last->projection[11] * p.point[2] + last->projection[15] > 0.0)) return p;
+    p.tolerance = larger((double)q->history_tolerance * fabs(p.point[2]), (double)q->history_floor) +
+                  own_motion(r, last, &p, &error);
+    p.tolerance_error = error + 4.0 * REFERENCE_EPSILON * p.tolerance;
+    if (!last->still) p.point[2] -= (double)velocity[2];
+    return p;
+}
+
+typedef struct range {
+    double low, high;
+} range;
+
+static range range_of(double x, double error) {
+    range out;
+    x = fabs(x);
+    out.low = above_zero(x - error);
+    out.high = x + error;
+    return out;
+}
+
+/* How far a layer of a texel of last frame is from the point's plane on the texel's ray, or from the point's own depth:
+   whichever is less. */
+static range past_error(const reference* r, const reference_last* last, const past* p, int layer, const int texel[2]) {
+    const double* m = last->projection;
+    const int divisor = layer > 0 ? r->divisor : 1, size[2] = {r->width, r->height};
+    const double z = (double)last->z[(texel[1] * r->width + texel[0]) * r->layers + layer];
+    double start = 0.0, along = p->normal[2], start_size = fabs(p->normal[2] * p->point[2]), along_size = 1.0, on_plane;
+    range own, plane;
+    int axis;
+    if (z == 0.0) { /* sky is nowhere near */
+        own.low = own.high = HUGE_VAL;
+        return own;
+    }
+    for (axis = 0; axis < 2; ++axis) { /* the ray: (ray_z, 1) z + (ray_1, 0) */
+        const double ndc = 2.0 * (texel[axis] / divisor + 0.5) * divisor / size[axis] - 1.0;
+        const double ray_z = (ndc * m[11] - m[8 + axis]) / m[5 * axis];
+        const double ray_1 = (ndc * m[15] - m[12 + axis]) / m[5 * axis];
+        start += p->normal[axis] * (p->point[axis] - ray_1);
+        along += p->normal[axis] * ray_z;
+        start_size += fabs(p->point[axis]) + fabs(ray_1);
+        along_size += fabs(m[11] / m[5 * axis]) + fabs(m[8 + axis] / m[5 * axis]);
+    }
+    start += p->normal[2] * p->point[2];
+    start_size = 2.0 * p->point_error + 16.0 * REFERENCE_EPSILON * start_size; /* from here on what floats may be off */
+    along_size *= 16.0 * REFERENCE_EPSILON;
+    own = range_of(z - p->point[2], p->point_error + 2.0 * REFERENCE_EPSILON * fabs(z));
+    if (!(fabs(along) > 2.0 * along_size)) { /* edge on: the plane may be anywhere */
+        own.low = 0.0;
+        return own;
+    }
+    on_plane = start / along;
+    plane = range_of(z - on_plane, (start_size + fabs(on_plane) * along_size) / (fabs(along) - along_size) +
+                                       2.0 * REFERENCE_EPSILON * fabs(z));
+    own.low = plane.low < own.low ? plane.low : own.low;
+    own.high = plane.high < own.high ? plane.high : own.high;
+    return own;
+}
+
+/* Which layer of a texel shows the surface, -1: none. The second counts with deep propagation only, where it has light. */
+static int shown_in(const reference* r, const reference_last* last, const past* p, bool deep, const int texel[2],
+                    bool* unsure) {
+    const range tolerance = {p->tolerance - p->tolerance_error, p->tolerance + p->tolerance_error};
+    range error[2];
+    int best = 0;
+    if (p->tolerance < 0.0) return -1;
+    error[0] = error[1] = past_error(r, last, p, 0, texel);
+    if (deep) {
+        error[1] = past_error(r, last, p, 1, texel);
+        best = error[1].low + error[1].high < error[0].low + error[0].high ? 1 : 0;
+        /* both near enough, and rounding decides which is nearer */
+        if (error[1 - best].low <= tolerance.high && error[1 - best].low <= error[best].high) *unsure = true;
+    }
+    if (error[best].high > tolerance.low && error[best].low <= tolerance.high) *unsure = true;
+    return error[best].low + error[best].high <= 2.0 * p->tolerance ? best : -1;
+}
+
+static double storable(double x) {
+    return x > 0.0 ? (x < (double)DGB_MAX_RADIANCE ? x : (double)DGB_MAX_RADIANCE) : 0.0;
+}
+
+/* Of last frame; confidence is 0 to 1. */
+static double last_light(const reference_last* last, int layer, const reference* r, const int texel[2], int channel) {
+    const double x = storable((double)last->light[layer][4 * (texel[1] * r->width + texel[0]) + channel]);
+    return channel == 3 && x > 1.0 ? 1.0 : x;
+}
+
+/* Factor of the bounced light: lerp(unsaturated, saturated, (max - min) / max). */
+static double boost_of(const double albedo[3], const dgb_params* q) {
+    const double high = larger(albedo[0], larger(albedo[1], albedo[2]));
+    const double low = -larger(-albedo[0], larger(-albedo[1], -albedo[2]));
+    const double saturation = high > 0.0 ? (high - low) / high : 0.0;
+    return (double)q->boost_unsaturated * (1.0 - saturation) + (double)q->boost_saturated * saturation;
+}
+
+reference_sent reference_radiance(const reference* r, const reference_last* last, const dgb_params* q, int layer,
+                                  const float radiance[3], const float albedo[3], int x, int y) {
+    const place here = place_of(x, y);
+    const bool deep = last && last->light[1];
+    double color[3], error;
+    reference_sent s;
+    past p;
+    int shown = -1, texel[2] = {0, 0}, i;
+    memset(&s, 0, sizeof s);
+    if (z_at(r, &here, layer) == 0.0) return s;
+    if (last) {
+        p = past_of(r, last, q, layer, &here);
+        for (i = 0; i < 2 && p.tolerance >= 0.0; ++i) texel[i] = (int)p.pixel[i];
+        shown = shown_in(r, last, &p, deep, texel, &s.unsure);
+    }
+    for (i = 0; i < 3; ++i) color[i] = storable((double)albedo[i]);
+    for (i = 0; i < 3; ++i) {
+        double bounced = 0.0;
+        if (shown >= 0)
+            bounced =
+                color[i] / PI * (double)q->bounce_damping * boost_of(color, q) * last_light(last, shown, r, texel, i);
+        error = 16.0 * REFERENCE_EPSILON *
+                (bounced + (shown >= 0 ? color[i] * last_light(last, shown, r, texel, i) *
+                                             ((double)q->boost_unsaturated + (double)q->boost_saturated)
+                                       : 0.0));
+        s.bounced = s.bounced || bounced > 0.0;
+        s.low[i] = storable(storable((double)radiance[i]) + bounced - error);
+        s.high[i] = storable(storable((double)radiance[i]) + bounced + error);
+    }
+    return s;
+}
+
+typedef struct history { /* sums over four texels, each with its bilinear weight */
+    double share, light[4], frames;
+    double visibility_share, visibility, visibility_frames;
+    double spread[4], frames_spread, visibility_spread, visibility_frames_spread; /* sums of magnitudes: what errors
+                                                                                     of the weights may do */
+} history;
+
+static void add_texel(const reference* r, const reference_last* last, const int texel[2], int shown, double weight,
+                      history* h) {
+    const float* frames = last->frames + 4 * (texel[1] * r->width + texel[0]);
+    const double count = storable((double)frames[2 + shown]);
+    int i;
+    h->share += weight;
+    h->frames += weight * count;
+    h->frames_spread += count;
+    for (i = 0; i < 4 && last->light[0]; ++i) {
+        h->light[i] += weight * last_light(last, shown, r, texel, i);
+        h->spread[i] += last_light(last, shown, r, texel, i);
+    }
+    if (shown == 1) return; /* there is no visibility of the second layer */
+    h->visibility_share += weight;
+    h->visibility += weight * storable((double)frames[0]);
+    h->visibility_frames += weight * storable((double)frames[1]);
+    h->visibility_spread += storable((double)frames[0]);
+    h->visibility_frames_spread += storable((double)frames[1]);
+}
+
+/* Bilinear weights are off by a few roundings, and so is each sum, relative to what remains of the weights. */
+static const double weight_error = 8.0 * REFERENCE_EPSILON;
+static const double least_share = 0.05; /* with less of the weights there is no history */
+
+/* An average of `count` +- count_error frames, `past` +- past_error, and one frame more. */
+static void mix(const dgb_params* q, double raw, double old, double old_error, double count, double count_error,
+                double* value, double* error) {
+    const double weight =
+        count / (count + 1.0) < (double)q->history_weight ? count / (count + 1.0) : (double)q->history_weight;
+    const double off = count_error / ((count + 1.0) * (count + 1.0)) + 4.0 * REFERENCE_EPSILON;
+    *value = raw + (old - raw) * weight;
+    *error = weight * old_error + (weight > 0.0 ? off * fabs(old - raw) : 0.0) +
+             (weight > 0.0 ? 4.0 * REFERENCE_EPSILON * (fabs(old) + fabs(raw)) : 0.0);
+}
+
+static double one_more(double frames) { return frames + 1.0 < 64.0 ? frames + 1.0 : 64.0; }
+
+static void finish_mean(const history* h, const dgb_params* q, const float light[4], float visibility,
+                        reference_mean* m) {
+    const bool known = h->share > least_share, seen = h->visibility_share > least_share;
+    const double share = known ? h->share : 1.0, open_share = seen ? h->visibility_share : 1.0;
+    const double frames = known ? h->frames / share : 0.0, open_frames = seen ? h->visibility_frames / open_share : 0.0;
+    int i;
+    m->frames_error = known ? 2.0 * weight_error * (h->frames_spread / share + frames) : 0.0;
+    m->visibility_frames_error =
+        seen ? 2.0 * weight_error * (h->visibility_frames_spread / open_share + open_frames) : 0.0;
+    for (i = 0; i < 4; ++i) {
+        const double old = known ? h->light[i] / share : 0.0;
+        mix(q, (double)light[i], old, 2.0 * weight_error * (h->spread[i] / share + old), frames, m->frames_error,
+            &m->value[i], &m->error[i]);
+    }
+    mix(q, (double)visibility, seen ? h->visibility / open_share : 0.0,
+        2.0 * weight_error * (h->visibility_spread + h->visibility) / open_share, open_frames,
+        m->visibility_frames_error, &m->visibility, &m->visibility_error);
+    m->frames = one_more(frames);
+    m->visibility_frames = one_more(open_frames);
+    m->unsure = m->unsure || fabs(h->share - least_share) < 4.0 * weight_error ||
+                fabs(h->visibility_share - least_share) < 4.0 * weight_error;
+}
+
+reference_mean reference_average(const reference* r, const reference_last* last, const dgb_params* q, int layer,
+                                 const float light[4], float visibility, int x, int y) {
+    const place here = place_of(x, y);
+    reference_mean m;
+    history h;
+    past p;
+    int i, axis;
+    memset(&m, 0, sizeof m);
+    memset(&h, 0, sizeof h);
+    if (z_at(r, &here, layer) == 0.0) { /* open sky, which no frame adds to */
+        for (i = 0; i < 4; ++i) m.value[i] = (double)light[i];
+        m.visibility = 1.0;
+        return m;
+    }
+    p = past_of(r, last, q, layer, &here);
+    for (i = 0; i < 4 && p.tolerance >= 0.0; ++i) {
+        const int corner[2] = {i & 1, i >> 1};
+        int texel[2], shown;
+        double weight = 1.0;
+        bool inside = true, unsure = false;
+        for (axis = 0; axis < 2; ++axis) {
+            const float low = floorf(p.pixel[axis] - 0.5f), part = p.pixel[axis] - 0.5f - low;
+            texel[axis] = (int)low + corner[axis];
+            weight *= corner[axis] ? (double)part : 1.0 - (double)part;
+            inside = inside && texel[axis] >= last->rect[axis] && texel[axis] <= last->rect[2 + axis];
+        }
+        if (!inside || !(weight > 0.0)) continue;
+        shown = shown_in(r, last, &p, last->light[1] != NULL, texel, &unsure);
+        m.unsure = m.unsure || unsure;
+        if (shown < 0) continue;
+        ++m.texels;
+        m.from_second = m.from_second || shown == 1;
+        add_texel(r, last, texel, shown, weight, &h);
+    }
+    finish_mean(&h, q, light, visibility, &m);
+    return m;
+}
+
 /* >> reconstruction */
 
 /* Product of normal and plane weight, and what floats may be off in it. */
-static double bilateral(const reference* r, const dgb_params* q, const place* a, const place* b, double* error) {
-    const double z_a = z_at(r, a, 0), z_b = z_at(r, b, 0), v_error = point_error(r, z_a) + point_error(r, z_b);
+static double bilateral(const reference* r, const dgb_params* q, int layer, const place* a, const place* b,
+                        double* error) {
+    const double z_a = z_at(r, a, layer), z_b = z_at(r, b, layer), v_error = point_error(r, z_a) + point_error(r, z_b);
     double x[3], y[3], dq[3], n[3], n2[3], length, off, normal, plane, plane_error;
-    point_at(r, a->pixel, z_a, x);
-    point_at(r, b->pixel, z_b, y);
+    point_in(r, layer, a->pixel, z_a, x);
+    point_in(r, layer, b->pixel, z_b, y);
     subtract(y, x, dq);
-    normal_at(r, a, 0, n);
-    normal_at(r, b, 0, n2);
+    normal_at(r, a, layer, n);
+    normal_at(r, b, layer, n2);
     length = sqrt(dot(dq, dq));
     off = larger(fabs(dot(dq, n)), fabs(dot(dq, n2)));
     normal = above_zero(1.0 - (double)q->normal_sharpness * (1.0 - dot(n, n2)));
@@ -414,7 +732,7 @@ typedef struct neighbour { /* one tap of the filter */
 } neighbour;
 
 /* Gaussian of half the radius as standard deviation; empty or unshaded texels weigh nothing. */
-static neighbour neighbour_at(const reference* r, const dgb_params* q, const place* here, int axis, int i,
+static neighbour neighbour_at(const reference* r, const dgb_params* q, const place* here, int axis, int layer, int i,
                               const int rect[4]) {
     const int side = q->filter_taps / 2;
     const double sigma = 0.5 * side;
@@ -424,22 +742,23 @@ static neighbour neighbour_at(const reference* r, const dgb_params* q, const pla
     double spatial;
     if (there.pixel[0] < rect[0] || there.pixel[1] < rect[1] || there.pixel[0] > rect[2] || there.pixel[1] > rect[3])
         return n;
-    if (z_at(r, &there, 0) == 0.0) return n;
+    if (z_at(r, &there, layer) == 0.0) return n;
     spatial = exp(-0.5 * i * i / (sigma * sigma));
-    n.weight = spatial * bilateral(r, q, here, &there, &n.error);
+    n.weight = spatial * bilateral(r, q, layer, here, &there, &n.error);
     n.error *= spatial;
     return n;
 }
 
 /* All taps of one direction; the centre weighs 1. Returns how many. */
-static int neighbours_of(const reference* r, const dgb_params* q, const place* here, int axis, const int rect[4],
-                         const float* image, int channels, neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1]) {
-    const int side = z_at(r, here, 0) == 0.0 ? 0 : q->filter_taps / 2, stride = axis == 0 ? 1 : r->width;
+static int neighbours_of(const reference* r, const dgb_params* q, const place* here, int axis, int layer,
+                         const int rect[4], const float* image, int channels,
+                         neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1]) {
+    const int side = z_at(r, here, layer) == 0.0 ? 0 : q->filter_taps / 2, stride = axis == 0 ? 1 : r->width;
     const int centre = here->pixel[1] * r->width + here->pixel[0];
     int i;
     for (i = -side; i <= side; ++i) {
         neighbour* tap = &taps[i + side];
-        *tap = neighbour_at(r, q, here, axis, i, rect);
+        *tap = neighbour_at(r, q, here, axis, layer, i, rect);
         if (i == 0) tap->weight = 1.0, tap->error = 0.0;
         if (tap->weight > 0.0 || tap->error > 0.0)
             tap->texel = image + (centre + i * q->filter_step * stride) * channels;
@@ -447,11 +766,11 @@ static int neighbours_of(const reference* r, const dgb_params* q, const place* h
     return 2 * side + 1;
 }
 
-reference_filtered reference_reconstruct(const reference* r, const dgb_params* q, int axis, const int rect[4],
-                                         const float* image, int channels, int x, int y) {
+reference_filtered reference_reconstruct(const reference* r, const dgb_params* q, int axis, int layer,
+                                         const int rect[4], const float* image, int channels, int x, int y) {
     const place here = place_of(x, y);
     neighbour taps[2 * DGB_MAX_FILTER_RADIUS + 1] = {{0.0, 0.0, NULL}};
-    const int count = neighbours_of(r, q, &here, axis, rect, image, channels, taps);
+    const int count = neighbours_of(r, q, &here, axis, layer, rect, image, channels, taps);
     reference_filtered out;
     int i, c;
     memset(&out, 0, sizeof out);

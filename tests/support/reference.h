@@ -18,6 +18,7 @@ typedef struct reference { /* the packed shading input */
     float* radiance[2][DGB_MAX_LEVELS]; /* 3 a texel; null: none */
     double projection[16];              /* widened and jittered */
     dgb_camera camera;                  /* for tap placement only */
+    int frame;                          /* that the taps are turned for; 0 where frames are not averaged */
 } reference;
 
 /* Copies level 0 (radiance[l] may be null) and makes the other levels by the copy rule. */
@@ -45,16 +46,55 @@ typedef struct reference_light {
     bool unsure;  /* rounding decides about a sender that matters: no telling */
 } reference_light;
 
+/* Of the surface in a layer; both layers take the taps of the first. */
 reference_light reference_irradiance(const reference* r, const dgb_params* q, dgb_senders senders,
-                                     dgb_normaliser normaliser, int x, int y);
+                                     dgb_normaliser normaliser, int layer, int x, int y);
+
+typedef struct reference_last { /* last frame, for this frame's passes */
+    bool usable;                /* it shows the same place */
+    bool still;                 /* these layers were shaded last frame already: nothing has moved since */
+    int rect[4];                /* shaded then: x0, y0, x1, y1, inclusive */
+    double to_last[12];         /* from this frame's camera space to last frame's: columns of three */
+    double projection[16];      /* widened and jittered, of last frame */
+    const float* z;             /* like reference.z[0] */
+    const float* light[2];      /* irradiance and confidence of both layers: 4 a texel */
+    const float* frames;        /* DGB_FRAMES: 4 a texel */
+    const float* velocity[2];   /* this frame's, of both layers, at each pixel: 3 a pixel */
+} reference_last;
+
+/* to_last from two views, both affine. */
+void reference_set_views(reference_last* last, const float now[16], const float then[16]);
+
+typedef struct reference_sent {
+    double low[3], high[3]; /* radiance */
+    bool bounced;           /* light of last frame is in it */
+    bool unsure;            /* rounding decides whether last frame shows the surface */
+} reference_sent;
+
+/* What the surface in a layer sends: its own radiance and, unless last is null, what fell on it last frame. */
+reference_sent reference_radiance(const reference* r, const reference_last* last, const dgb_params* q, int layer,
+                                  const float radiance[3], const float albedo[3], int x, int y);
+
+typedef struct reference_mean {
+    double value[4], error[4];   /* irradiance and confidence */
+    double frames, frames_error; /* that are in it */
+    double visibility, visibility_error, visibility_frames, visibility_frames_error;
+    int texels;       /* of last frame that show the surface */
+    bool from_second; /* one of them does in the second layer */
+    bool unsure;      /* rounding decides whether last frame shows the surface */
+} reference_mean;
+
+/* The average of last frame's average and this frame's light and visibility. */
+reference_mean reference_average(const reference* r, const reference_last* last, const dgb_params* q, int layer,
+                                 const float light[4], float visibility, int x, int y);
 
 typedef struct reference_filtered {
     double value[4], error[4];
 } reference_filtered;
 
-/* One direction (axis 0: along x) of the reconstruction of an image of `channels` floats a texel; only texels
-   inside rect (x0, y0, x1, y1, inclusive) count. */
-reference_filtered reference_reconstruct(const reference* r, const dgb_params* q, int axis, const int rect[4],
-                                         const float* image, int channels, int x, int y);
+/* One direction (axis 0: along x) of the reconstruction of an image of `channels` floats a texel, along the surfaces of a
+   layer; only texels inside rect (x0, y0, x1, y1, inclusive) count. */
+reference_filtered reference_reconstruct(const reference* r, const dgb_params* q, int axis, int layer,
+                                         const int rect[4], const float* image, int channels, int x, int y);
 
 #endif
