@@ -1,0 +1,562 @@
+/* What one frame takes from the frame before: many bounces, deep propagation and the temporal filter, against the
+   double-precision reference at every pixel; and what must hold for any image. */
+#include "gl_fixture.h"
+#include "reference.h"
+#include "tally.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 120, HEIGHT = 80, GUARD = 12 };
+
+#define ALL (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+
+static fixture f;
+
+/* >> how a film is made, and all that is known of one frame */
+
+typedef struct how {
+    int width, height, guard, layers, divisor;
+    uint32_t effects;
+    dgb_oracle oracle;
+    bool engine;   /* the layers are the engine's own: built by a context of its own, and copied */
+    bool approach; /* with a third component of velocity */
+    bool nothing;  /* an empty scene */
+    dgb_format depth_format;
+    fixture_view view; /* of frame 0 */
+    float step[3], turn, zoom,
+        shake;  /* of the camera a frame: m, radians, degrees of the field of view, pixels of jitter */
+    float walk; /* of the box a frame, m */
+    dgb_params params;
+} how;
+
+typedef struct frame {
+    dgb_params params;
+    float view[16], projection[16]; /* widened and jittered */
+    int rect[4];                    /* shaded: x0, y0, x1, y1, inclusive */
+    float *z, *normals, *sent[2];
+    float *radiance[2], *albedo[2], *velocity[2]; /* of the layers at each pixel: 3 a pixel */
+    float *ao_raw, *frames, *ao, *raw[2], *mean[2], *half[2], *light[2];
+    reference r;
+} frame;
+
+typedef struct film {
+    how h;
+    dgb_context c, engine; /* the second builds the engine's layers */
+    GLuint program, textures[10];
+    int shot; /* frames so far */
+} film;
+
+static how default_how(void) {
+    how h;
+    memset(&h, 0, sizeof h);
+    h.width = WIDTH;
+    h.height = HEIGHT;
+    h.guard = GUARD;
+    h.layers = 2;
+    h.effects = ALL;
+    h.view = fixture_default_view();
+    h.view.yaw = 0.1f;
+    h.step[0] = 0.045f;
+    h.step[2] = -0.05f;
+    h.turn = 0.006f;
+    h.shake = 0.4f;
+    h.walk = 0.1f;
+    h.params = dgb_preset(DGB_PRESET_BALANCED);
+    h.params.radius = 3.0f;
+    return h;
+}
+
+static how still_how(void) {
+    how h = default_how();
+    memset(h.step, 0, sizeof h.step);
+    h.turn = h.shake = h.walk = 0.0f;
+    return h;
+}
+
+static dgb_desc desc_of(const how* h) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = h->width;
+    d.height = h->height;
+    d.guard_band = h->guard;
+    d.layers = h->layers;
+    d.divisor = h->divisor;
+    d.effects = h->effects;
+    d.oracle = h->oracle;
+    d.depth_format = h->depth_format;
+    d.clip = h->view.clip;
+    d.reversed = h->view.reversed;
+    d.backend = &f.gl.backend;
+    d.log = fixture_log;
+    if (h->engine) {
+        d.source = DGB_SOURCE_ENGINE;
+        d.normals = DGB_NORMALS_OCT16;
+        d.divisor = 0;
+        d.oracle = DGB_ORACLE_DEFAULT;
+    }
+    return d;
+}
+
+static float turn_of(int n, int axis) { return sinf((float)(n * (axis ? 3 : 2) + axis)); } /* no two frames alike */
+
+static dgb_view view_at(const how* h, int n) {
+    fixture_view v = h->view;
+    int i;
+    for (i = 0; i < 3; ++i) v.eye[i] += h->step[i] * (float)n;
+    v.yaw += h->turn * (float)n;
+    v.fov += h->zoom * (float)n;
+    for (i = 0; i < 2; ++i) v.jitter[i] += h->shake * turn_of(n, i);
+    for (i = 0; i < 4; ++i) f.offsets[i] = h->walk * (float)(n + i - 2);
+    return fixture_dgb_view(&v, h->width, h->height);
+}
+
+static film open_film(const how* h) {
+    dgb_desc d = desc_of(h), e;
+    film m;
+    memset(&m, 0, sizeof m);
+    m.h = *h;
+    assert_int_equal(dgb_init(&m.c, &d), DGB_OK);
+    if (h->engine) {
+        how build = *h;
+        build.engine = false;
+        build.effects = 0;
+        build.oracle = DGB_ORACLE_PEEL;
+        e = desc_of(&build);
+        assert_int_equal(dgb_init(&m.engine, &e), DGB_OK);
+        glGenTextures(10, m.textures);
+    }
+    m.program = fixture_program(h->engine ? &m.engine : &m.c);
+    assert_true(m.program != 0);
+    return m;
+}
+
+static void close_film(film* m) {
+    glDeleteProgram(m->program);
+    if (m->h.engine) glDeleteTextures(10, m->textures);
+    dgb_shutdown(&m->engine);
+    dgb_shutdown(&m->c);
+}
+
+static const dgb_context* builder_of(const film* m) { return m->h.engine ? &m->engine : &m->c; }
+
+/* >> reading */
+
+static float* read_image(const dgb_context* c, dgb_slot slot, int level, int channels) {
+    static const GLenum formats[] = {GL_RED, GL_RED, GL_RG, GL_RGB, GL_RGBA};
+    if (!dgb_get_texture(c, slot).id) return NULL;
+    return fixture_read(dgb_get_texture(c, slot), level, 0, c->plan.width >> level, c->plan.height >> level, 0,
+                        formats[channels], channels);
+}
+
+/* What a layer holds at each pixel, though its texels may be larger. */
+static float* read_layer(const dgb_context* c, dgb_slot slot, int layer, GLenum format, int channels) {
+    const int w = c->plan.width, h = c->plan.height, divisor = layer > 0 && c->desc.divisor ? c->desc.divisor : 1;
+    float* texels = fixture_read(dgb_get_texture(c, slot), 0, layer, w, h, c->plan.layers, format, channels);
+    float* pixels = (float*)malloc((size_t)(w * h * channels) * sizeof(float));
+    int x, y;
+    for (y = 0; y < h; ++y)
+        for (x = 0; x < w; ++x)
+            memcpy(pixels + (y * w + x) * channels, texels + (y / divisor * w + x / divisor) * channels,
+                   (size_t)channels * sizeof(float));
+    free(texels);
+    return pixels;
+}
+
+static bool is_box(const float albedo[3]) { /* the one that moves is blue */
+    return fabsf(albedo[0] - 0.1f) < 0.01f && fabsf(albedo[1] - 0.2f) < 0.01f && fabsf(albedo[2] - 0.9f) < 0.01f;
+}
+
+/* Pixels, and for the engine's own layers metres of z, in last frame's camera space, that the box moved. */
+static float* read_velocity(const film* m, int layer, const float* albedo) {
+    const dgb_context* c = builder_of(m);
+    const int texels = c->plan.width * c->plan.height;
+    const dgb_view last = view_at(&m->h, m->shot > 0 ? m->shot - 1 : 0);
+    float* velocity = read_layer(c, DGB_VELOCITY, layer, GL_RGB, 3);
+    int i;
+    (void)view_at(&m->h, m->shot);
+    for (i = 0; i < texels; ++i)
+        velocity[3 * i + 2] = m->h.approach && is_box(albedo + 3 * i) ? last.view[2] * m->h.walk : 0.0f;
+    return velocity;
+}
+
+static void shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
+    const int inset = c->desc.guard_band - (int)floor((double)q->guard_fraction * c->desc.guard_band + 0.5);
+    rect[0] = rect[1] = inset;
+    rect[2] = c->plan.width - inset - 1;
+    rect[3] = c->plan.height - inset - 1;
+}
+
+/* Packed z says DGB_EMPTY_Z where the reference says 0. */
+static void empty_to_zero(float* z, int count) {
+    int i;
+    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
+}
+
+static void read_results(const dgb_context* c, frame* out) {
+    static const dgb_slot raw[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE1_RAW},
+                          mean[] = {DGB_IRRADIANCE_MEAN, DGB_IRRADIANCE1_MEAN},
+                          half[] = {DGB_IRRADIANCE_HALF, DGB_IRRADIANCE1_HALF},
+                          light[] = {DGB_IRRADIANCE, DGB_IRRADIANCE1};
+    int l;
+    out->ao_raw = read_image(c, DGB_AO_RAW, 0, 1);
+    out->frames = read_image(c, DGB_FRAMES, 0, 4);
+    out->ao = read_image(c, DGB_AO, 0, 1);
+    for (l = 0; l < 2; ++l) {
+        out->raw[l] = read_image(c, raw[l], 0, 4);
+        out->mean[l] = read_image(c, mean[l], 0, 4);
+        out->half[l] = read_image(c, half[l], 0, 4);
+        out->light[l] = read_image(c, light[l], 0, 4);
+    }
+}
+
+static void read_frame(const film* m, frame* out) {
+    const dgb_context *c = &m->c, *b = builder_of(m);
+    const int layers = m->h.layers < 2 ? 1 : 2, texels = c->plan.width * c->plan.height;
+    int l;
+    out->r.layers = layers;
+    shaded_rect(c, &out->params, out->rect);
+    out->z = read_image(c, DGB_Z, 0, layers);
+    empty_to_zero(out->z, layers * texels);
+    out->normals = read_image(c, DGB_NORMALS, 0, 2 * layers);
+    for (l = 0; l < layers; ++l) {
+        out->sent[l] = read_image(c, l ? DGB_B1 : DGB_B0, 0, 3);
+        out->radiance[l] = read_layer(b, DGB_RADIANCE, l, GL_RGB, 3);
+        out->albedo[l] = read_layer(b, DGB_ALBEDO, l, GL_RGB, 3);
+        out->velocity[l] = read_velocity(m, l, out->albedo[l]);
+    }
+    read_results(c, out);
+    reference_open(&out->r, c, out->z, out->normals, (const float* const*)out->sent);
+    out->r.frame = (m->h.effects & DGB_EFFECT_TEMPORAL) && out->params.history_weight > 0.0f ? m->shot : 0;
+}
+
+static void free_frame(frame* s) {
+    int l;
+    free(s->z), free(s->normals), free(s->ao_raw), free(s->frames), free(s->ao);
+    for (l = 0; l < 2; ++l) {
+        free(s->sent[l]), free(s->radiance[l]), free(s->albedo[l]), free(s->velocity[l]);
+        free(s->raw[l]), free(s->mean[l]), free(s->half[l]), free(s->light[l]);
+    }
+    reference_close(&s->r);
+    memset(s, 0, sizeof *s);
+}
+
+/* >> one frame more */
+
+static dgb_texture copy_of(const film* m, dgb_slot slot, int layer, GLenum internal, GLuint name) {
+    const dgb_context* e = &m->engine;
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, (GLint)internal, e->plan.width, e->plan.height, 0,
+                 slot == DGB_DEPTH ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    glCopyImageSubData(dgbgl_texture_name(dgb_get_texture(e, slot)), GL_TEXTURE_2D_ARRAY, 0, 0, 0, layer, name,
+                       GL_TEXTURE_2D, 0, 0, 0, 0, e->plan.width, e->plan.height, 1);
+    return dgbgl_texture(name);
+}
+
+static dgb_texture upload(const film* m, GLuint name, const float* rgb) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, m->engine.plan.width, m->engine.plan.height, 0, GL_RGB, GL_FLOAT, rgb);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return dgbgl_texture(name);
+}
+
+static void give_layers(film* m, const dgb_view* view) {
+    dgb_layers own;
+    int l;
+    memset(&own, 0, sizeof own);
+    for (l = 0; l < m->h.layers; ++l) {
+        float* albedo = read_layer(&m->engine, DGB_ALBEDO, l, GL_RGB, 3);
+        float* velocity = read_velocity(m, l, albedo);
+        own.depth[l] = copy_of(m, DGB_DEPTH, l, GL_DEPTH_COMPONENT32F, m->textures[l]);
+        own.normal[l] = copy_of(m, DGB_NORMAL, l, GL_RGBA8, m->textures[2 + l]);
+        own.radiance[l] = copy_of(m, DGB_RADIANCE, l, GL_R11F_G11F_B10F, m->textures[4 + l]);
+        own.albedo[l] = copy_of(m, DGB_ALBEDO, l, GL_RGBA8, m->textures[6 + l]);
+        own.velocity[l] = m->h.approach ? upload(m, m->textures[8 + l], velocity)
+                                        : copy_of(m, DGB_VELOCITY, l, GL_RG16F, m->textures[8 + l]);
+        free(albedo), free(velocity);
+    }
+    assert_int_equal(dgb_set_layers(&m->c, view, &own), DGB_OK);
+}
+
+static void build_frame(film* m, bool cut) {
+    dgb_view view = view_at(&m->h, m->shot);
+    fixture_draw_user user;
+    memset(&user, 0, sizeof user);
+    user.f = &f;
+    user.program = m->program;
+    user.nothing = m->h.nothing;
+    view.cut = cut;
+    assert_int_equal(dgb_build(m->h.engine ? &m->engine : &m->c, &view, &m->h.params, fixture_draw, &user), DGB_OK);
+    if (m->h.engine) give_layers(m, &view);
+}
+
+static void shade_frame(film* m) { assert_int_equal(dgb_shade(&m->c, &m->h.params), DGB_OK); }
+
+static frame frame_of(film* m) {
+    const dgb_view view = view_at(&m->h, m->shot);
+    frame out;
+    memset(&out, 0, sizeof out);
+    out.params = m->h.params;
+    memcpy(out.view, view.view, sizeof out.view);
+    dgb_widen_projection(view.projection, m->h.width, m->h.height, m->h.guard, view.jitter, out.projection);
+    read_frame(m, &out);
+    return out;
+}
+
+static void run_frame(film* m, bool cut) {
+    build_frame(m, cut);
+    shade_frame(m);
+    ++m->shot;
+}
+
+static frame next_frame(film* m) {
+    frame out;
+    build_frame(m, false);
+    shade_frame(m);
+    out = frame_of(m);
+    ++m->shot;
+    return out;
+}
+
+/* >> comparison with the reference */
+
+static bool same_result(const dgb_params* a, const dgb_params* b) {
+    return a->separation == b->separation && a->strict_separation == b->strict_separation && a->radius == b->radius &&
+           a->ao_radius == b->ao_radius && a->ao_bias == b->ao_bias && a->ao_epsilon == b->ao_epsilon &&
+           a->ao_intensity == b->ao_intensity;
+}
+
+/* What `now` may know of `last`, null for nothing; mean: as the temporal filter does, else as packing does. */
+static reference_last last_of(const frame* now, const frame* last, bool mean) {
+    reference_last l;
+    int i;
+    memset(&l, 0, sizeof l);
+    for (i = 0; i < 2; ++i) l.velocity[i] = now->velocity[i];
+    l.usable = last && (!mean || same_result(&now->params, &last->params));
+    if (!last) last = now;
+    for (i = 0; i < 2; ++i) l.light[i] = mean ? last->mean[i] : last->light[i];
+    reference_set_views(&l, now->view, last->view);
+    for (i = 0; i < 16; ++i) l.projection[i] = (double)last->projection[i];
+    memcpy(l.rect, last->rect, sizeof l.rect);
+    l.z = last->z;
+    l.frames = last->frames;
+    return l;
+}
+
+/* Where rounding decides what last frame shows there is no telling; there must not be many such pixels. */
+static void report(const tally* t, int undecided) {
+    printf("#     %-12s undecided %d\n", t->what, undecided);
+    tally_report(t);
+    assert_true(200 * undecided <= t->pixels + 200);
+}
+
+static void compare_sent(const frame* now, const frame* last, int layer, bool bounces) {
+    const reference_last l = last_of(now, last, false);
+    tally t = tally_of(layer ? "B1" : "B0");
+    int x, y, i, undecided = 0, bounced = 0;
+    for (y = 0; y < now->r.height; ++y)
+        for (x = 0; x < now->r.width; ++x) {
+            const int at = 3 * (y * now->r.width + x);
+            const reference_sent s = reference_radiance(&now->r, bounces ? &l : NULL, &now->params, layer,
+                                                        now->radiance[layer] + at, now->albedo[layer] + at, x, y);
+            undecided += s.unsure;
+            bounced += s.bounced;
+            for (i = 0; i < 3 && !s.unsure; ++i)
+                tally_small_float(&t, i < 2 ? 6 : 5, (double)now->sent[layer][at + i], s.low[i], s.high[i]);
+        }
+    report(&t, undecided);
+    printf("#     bounced at %d\n", bounced);
+    if (bounces && last) assert_true(bounced > (layer ? 100 : 1000)); /* or this proves little */
+}
+
+static void compare_gathered(const frame* now, const how* h, int layer) {
+    tally t = tally_of(layer ? "E1 raw" : "E raw"), confidence = tally_of("confidence");
+    int x, y, i;
+    for (y = now->rect[1]; y <= now->rect[3]; ++y)
+        for (x = now->rect[0]; x <= now->rect[2]; ++x) {
+            const reference_light e =
+                reference_irradiance(&now->r, &h->params, DGB_SENDERS_BOTH, DGB_NORMALISER_BOUNDED, layer, x, y);
+            const float* value = now->raw[layer] + 4 * (y * now->r.width + x);
+            t.unsure += e.unsure;
+            for (i = 0; i < 3 && !e.unsure; ++i) tally_half(&t, (double)value[i], e.low[i], e.high[i]);
+            if (!e.unsure) tally_half(&confidence, (double)value[3], e.low_confidence, e.high_confidence);
+        }
+    tally_report(&t);
+    tally_report(&confidence);
+}
+
+static void count_mean(const frame* now, const reference_mean* m, int layer, int at, tally* light, tally* frames,
+                       tally* open) {
+    int i;
+    for (i = 0; i < 4 && now->mean[layer]; ++i)
+        tally_half(light, (double)now->mean[layer][4 * at + i], m->value[i] - m->error[i], m->value[i] + m->error[i]);
+    tally_half(frames, (double)now->frames[4 * at + 2 + layer], m->frames - m->frames_error,
+               m->frames + m->frames_error);
+    if (layer > 0 || !now->ao_raw) return;
+    tally_half(open, (double)now->frames[4 * at], m->visibility - m->visibility_error,
+               m->visibility + m->visibility_error);
+    tally_half(frames, (double)now->frames[4 * at + 1], m->visibility_frames - m->visibility_frames_error,
+               m->visibility_frames + m->visibility_frames_error);
+}
+
+static void compare_means(const frame* now, const frame* last, int layer) {
+    static const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    const reference_last l = last_of(now, last, true);
+    tally light = tally_of(layer ? "E1 mean" : "E mean"), frames = tally_of("frames"), open = tally_of("visibility");
+    int x, y, undecided = 0, old = 0, second = 0;
+    for (y = now->rect[1]; y <= now->rect[3]; ++y)
+        for (x = now->rect[0]; x <= now->rect[2]; ++x) {
+            const int at = y * now->r.width + x;
+            const reference_mean m = reference_average(&now->r, &l, &now->params, layer,
+                                                       now->raw[layer] ? now->raw[layer] + 4 * at : nothing,
+                                                       now->ao_raw ? now->ao_raw[at] : 1.0f, x, y);
+            undecided += m.unsure;
+            old += m.frames > 1.5;
+            second += m.from_second;
+            if (!m.unsure) count_mean(now, &m, layer, at, &light, &frames, &open);
+        }
+    printf("#     with history %d, from the second layer %d\n", old, second);
+    report(&frames, undecided);
+    if (light.pixels) tally_report(&light);
+    if (open.pixels) tally_report(&open);
+}
+
+static void compare_filter(const frame* now, int layer, int axis) {
+    const float* before = now->mean[layer] ? now->mean[layer] : now->raw[layer];
+    const float *from = axis ? now->half[layer] : before, *to = axis ? now->light[layer] : now->half[layer];
+    tally t = tally_of(layer ? "E1 filtered" : "E filtered");
+    int x, y, i;
+    for (y = now->rect[1]; y <= now->rect[3]; ++y)
+        for (x = now->rect[0]; x <= now->rect[2]; ++x) {
+            const reference_filtered e =
+                reference_reconstruct(&now->r, &now->params, axis, layer, now->rect, from, 4, x, y);
+            for (i = 0; i < 4; ++i)
+                tally_half(&t, (double)to[4 * (y * now->r.width + x) + i], e.value[i] - e.error[i],
+                           e.value[i] + e.error[i]);
+        }
+    tally_report(&t);
+}
+
+static void compare_frame(const film* m, const frame* now, const frame* last, bool all) {
+    const bool bounces = (m->h.effects & DGB_EFFECT_BOUNCES) != 0, light = (m->h.effects & DGB_EFFECT_RADIOSITY) != 0;
+    const bool temporal = (m->h.effects & DGB_EFFECT_TEMPORAL) != 0;
+    const int layers = now->r.layers;
+    int l;
+    for (l = 0; l < layers && light; ++l) compare_sent(now, last, l, bounces);
+    for (l = 0; l < layers && temporal; ++l)
+        if (l == 0 || now->raw[l]) compare_means(now, last, l);
+    for (l = 0; l < layers && all; ++l) {
+        if (!now->raw[l]) continue;
+        compare_gathered(now, &m->h, l);
+        compare_filter(now, l, 0);
+        compare_filter(now, l, 1);
+    }
+}
+
+static void compare_film(const char* name, const how* h, int frames) {
+    film m = open_film(h);
+    frame last, now;
+    int n;
+    memset(&last, 0, sizeof last);
+    for (n = 0; n < frames; ++n) {
+        now = next_frame(&m);
+        printf("# %s, frame %d\n", name, n);
+        compare_frame(&m, &now, n ? &last : NULL, n + 1 == frames);
+        free_frame(&last);
+        last = now;
+    }
+    free_frame(&last);
+    close_film(&m);
+}
+
+static void test_reference(void** state) {
+    how h = default_how();
+    (void)state;
+    compare_film("two layers", &h, 4);
+    h.layers = 1;
+    compare_film("one layer", &h, 3);
+    h.layers = 3;
+    compare_film("three layers, two shaded", &h, 3);
+}
+
+static void test_reference_divisor(void** state) {
+    how h = default_how();
+    (void)state;
+    h.divisor = 2;
+    compare_film("layer 1 at half the resolution", &h, 4);
+}
+
+static void test_reference_cameras(void** state) {
+    how h = default_how();
+    (void)state;
+    h.view.reversed = true, h.view.clip = DGB_CLIP_ZERO_TO_ONE, h.view.far_plane = 0.0f;
+    compare_film("reversed, infinite", &h, 3);
+    h = default_how();
+    h.view.fov = 0.0f;
+    compare_film("orthographic", &h, 3);
+    h = default_how();
+    h.zoom = 2.0f, h.step[2] = 0.1f; /* the border comes in */
+    h.params.guard_fraction = 1.0f;
+    compare_film("zooming out, the whole guard band", &h, 3);
+}
+
+static void test_reference_engine(void** state) {
+    how h = default_how();
+    (void)state;
+    h.engine = true;
+    h.walk = 0.05f, h.view.yaw = 0.5f; /* the box comes nearer as it moves across */
+    compare_film("the engine's own", &h, 3);
+    h.approach = true;
+    compare_film("the engine's own, z of velocity", &h, 3);
+    h.layers = 1;
+    compare_film("the engine's own, one layer", &h, 3);
+}
+
+static void test_reference_effects(void** state) {
+    static const uint32_t effects[] = {1 | 8, 2 | 8, 3 | 8, 2 | 4, 3 | 4, 2 | 4 | 8};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof effects / sizeof effects[0]; ++i) {
+        how h = default_how();
+        h.effects = effects[i];
+        printf("# effects %u\n", (unsigned)effects[i]);
+        compare_film("effects", &h, 3);
+    }
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reference),         cmocka_unit_test(test_reference_divisor),
+        cmocka_unit_test(test_reference_cameras), cmocka_unit_test(test_reference_engine),
+        cmocka_unit_test(test_reference_effects), cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
