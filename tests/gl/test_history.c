@@ -535,6 +535,580 @@ static void test_reference_effects(void** state) {
     }
 }
 
+/* >> when history is dropped, and when it is not */
+
+static bool is_inside(const int rect[4], int x, int y) {
+    return x >= rect[0] && y >= rect[1] && x <= rect[2] && y <= rect[3];
+}
+
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
+/* Every shaded surface of both layers is an average of so many frames. */
+static void check_counts(const frame* s, float count, const char* what) {
+    int x, y, l, wrong = 0;
+    for (y = s->rect[1]; y <= s->rect[3]; ++y)
+        for (x = s->rect[0]; x <= s->rect[2]; ++x) {
+            const int at = y * s->r.width + x;
+            wrong += s->z[at * s->r.layers] != 0.0f && s->ao_raw && s->frames[4 * at + 1] != count;
+            for (l = 0; l < s->r.layers; ++l)
+                wrong +=
+                    s->z[at * s->r.layers + l] != 0.0f && (l == 0 || s->raw[1]) && s->frames[4 * at + 2 + l] != count;
+        }
+    if (wrong) print_error("%s: %d surfaces are not averages of %g frames\n", what, wrong, (double)count);
+    assert_int_equal(wrong, 0);
+}
+
+/* The averages are this frame's results, bit for bit. */
+static void check_raw(const frame* s) {
+    int x, y, l;
+    for (y = s->rect[1]; y <= s->rect[3]; ++y)
+        for (x = s->rect[0]; x <= s->rect[2]; ++x) {
+            const int at = y * s->r.width + x;
+            for (l = 0; l < 2; ++l)
+                if (s->raw[l]) assert_memory_equal(s->mean[l] + 4 * at, s->raw[l] + 4 * at, 4 * sizeof(float));
+            if (!s->ao_raw || s->z[at * s->r.layers] == 0.0f) continue;
+            assert_true(fabs((double)s->frames[4 * at] - (double)s->ao_raw[at]) <=
+                        tally_half_ulp((double)s->ao_raw[at]));
+        }
+}
+
+/* Nothing of last frame is in what the surfaces send. */
+static void check_unbounced(const frame* s) {
+    const int texels = s->r.width * s->r.height;
+    int i, l;
+    for (l = 0; l < s->r.layers; ++l)
+        for (i = 0; i < texels; ++i)
+            if (s->z[i * s->r.layers + l] != 0.0f)
+                assert_memory_equal(s->sent[l] + 3 * i, s->radiance[l] + 3 * i, 3 * sizeof(float));
+}
+
+static void check_fresh(frame s, const char* what) {
+    check_counts(&s, 1.0f, what);
+    check_raw(&s);
+    free_frame(&s);
+}
+
+static void test_first_frame_cut_resize(void** state) {
+    how h = default_how();
+    film m;
+    frame s;
+    int n, layers;
+    (void)state;
+    for (layers = 1; layers <= 2; ++layers) {
+        h.layers = layers;
+        m = open_film(&h);
+        s = next_frame(&m);
+        check_unbounced(&s);
+        check_fresh(s, "first frame");
+        for (n = 0; n < 2; ++n) run_frame(&m, false);
+        build_frame(&m, true);
+        shade_frame(&m);
+        s = frame_of(&m);
+        check_unbounced(&s);
+        check_fresh(s, "cut");
+        run_frame(&m, false);
+        m.h.width = 93, m.h.height = 57;
+        assert_int_equal(dgb_resize(&m.c, m.h.width, m.h.height), DGB_OK);
+        s = next_frame(&m);
+        check_unbounced(&s);
+        check_fresh(s, "resize");
+        close_film(&m);
+    }
+}
+
+/* Velocities reach back one frame: layers that were never shaded break the chain. */
+static void test_two_builds_without_a_shade(void** state) {
+    how h = default_how();
+    int engine;
+    (void)state;
+    for (engine = 0; engine < 2; ++engine) {
+        film m;
+        frame s;
+        h.engine = engine != 0;
+        m = open_film(&h);
+        run_frame(&m, false);
+        run_frame(&m, false);
+        build_frame(&m, false);
+        ++m.shot; /* and not shaded */
+        build_frame(&m, false);
+        shade_frame(&m);
+        s = frame_of(&m);
+        s.r.frame = 0;
+        check_unbounced(&s);
+        check_fresh(s, "two builds");
+        close_film(&m);
+    }
+}
+
+/* The same layers once more: another frame, in which nothing moved, whatever the velocities say. */
+static void test_shading_twice(void** state) {
+    how h = default_how();
+    int engine;
+    (void)state;
+    for (engine = 0; engine < 2; ++engine) {
+        film m;
+        frame first, second;
+        int x, y, layer;
+        h.engine = engine != 0;
+        m = open_film(&h);
+        run_frame(&m, false);
+        run_frame(&m, false);
+        build_frame(&m, false);
+        shade_frame(&m);
+        first = frame_of(&m);
+        shade_frame(&m);
+        second = frame_of(&m);
+        for (layer = 0; layer < 2; ++layer)
+            for (y = first.rect[1]; y <= first.rect[3]; ++y)
+                for (x = first.rect[0]; x <= first.rect[2]; ++x) {
+                    const int at = y * first.r.width + x;
+                    if (first.z[2 * at + layer] == 0.0f) continue;
+                    assert_true(fabs((double)second.frames[4 * at + 2 + layer] -
+                                     (double)first.frames[4 * at + 2 + layer] - 1.0) <= 1.0 / 256.0);
+                }
+        free_frame(&first), free_frame(&second);
+        close_film(&m);
+    }
+}
+
+static void change_radius(dgb_params* q) { q->radius *= 1.01f; }
+static void change_ao_radius(dgb_params* q) { q->ao_radius *= 1.01f; }
+static void change_ao_bias(dgb_params* q) { q->ao_bias += 0.001f; }
+static void change_ao_epsilon(dgb_params* q) { q->ao_epsilon += 0.001f; }
+static void change_ao_intensity(dgb_params* q) { q->ao_intensity += 0.1f; }
+static void change_separation(dgb_params* q) { q->separation += 0.01f; }
+static void change_strictness(dgb_params* q) { q->strict_separation = !q->strict_separation; }
+static void change_samples(dgb_params* q) { q->samples += 3; }
+static void change_ao_samples(dgb_params* q) { q->ao_samples += 5; }
+static void change_filter_taps(dgb_params* q) { q->filter_taps += 2; }
+static void change_filter_step(dgb_params* q) { ++q->filter_step; }
+static void change_normal_test(dgb_params* q) { q->normal_test = !q->normal_test; }
+static void change_min_level(dgb_params* q) { q->min_level = 1; }
+static void change_ao_min_level(dgb_params* q) { q->ao_min_level = 1; }
+static void change_normal_sharpness(dgb_params* q) { q->normal_sharpness += 1.0f; }
+static void change_plane_sharpness(dgb_params* q) { q->plane_sharpness += 1.0f; }
+static void change_history_weight(dgb_params* q) { q->history_weight = 0.5f; }
+static void change_history_tolerance(dgb_params* q) { q->history_tolerance *= 2.0f; }
+static void change_history_floor(dgb_params* q) { q->history_floor *= 2.0f; }
+static void change_damping(dgb_params* q) { q->bounce_damping = 0.7f; }
+static void change_boosts(dgb_params* q) { q->boost_unsaturated = 0.8f, q->boost_saturated = 0.9f; }
+static void change_guard_fraction(dgb_params* q) { q->guard_fraction = 0.25f; }
+
+static void test_parameters_that_reset(void** state) {
+    static const struct {
+        const char* name;
+        void (*change)(dgb_params* q);
+        bool resets;
+    } rows[] = {{"radius", change_radius, true},
+                {"samples", change_samples, false},
+                {"ao_radius", change_ao_radius, true},
+                {"ao_samples", change_ao_samples, false},
+                {"ao_bias", change_ao_bias, true},
+                {"filter_taps", change_filter_taps, false},
+                {"ao_epsilon", change_ao_epsilon, true},
+                {"filter_step", change_filter_step, false},
+                {"ao_intensity", change_ao_intensity, true},
+                {"normal_test", change_normal_test, false},
+                {"separation", change_separation, true},
+                {"min_level", change_min_level, false},
+                {"strict_separation", change_strictness, true},
+                {"ao_min_level", change_ao_min_level, false},
+                {"normal_sharpness", change_normal_sharpness, false},
+                {"plane_sharpness", change_plane_sharpness, false},
+                {"history_weight", change_history_weight, false},
+                {"history_tolerance", change_history_tolerance, false},
+                {"history_floor", change_history_floor, false},
+                {"bounce_damping", change_damping, false},
+                {"boosts", change_boosts, false},
+                {"guard_fraction", change_guard_fraction, false}};
+    how h = still_how();
+    film m = open_film(&h);
+    float count = 1.0f;
+    size_t i;
+    (void)state;
+    run_frame(&m, false);
+    for (i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        frame s;
+        rows[i].change(&m.h.params);
+        count = rows[i].resets ? 1.0f : count + 1.0f;
+        s = next_frame(&m);
+        check_counts(&s, count, rows[i].name);
+        if (rows[i].resets) check_raw(&s);
+        free_frame(&s);
+    }
+    close_film(&m);
+}
+
+/* What was not shaded last frame has no history, and the rest goes on. */
+static void test_more_of_the_guard_band(void** state) {
+    how h = still_how();
+    film m;
+    frame last, now;
+    int x, y;
+    (void)state;
+    h.params.guard_fraction = 0.25f;
+    m = open_film(&h);
+    run_frame(&m, false);
+    last = next_frame(&m);
+    m.h.params.guard_fraction = 1.0f;
+    now = next_frame(&m);
+    assert_int_equal(last.rect[0], GUARD - GUARD / 4);
+    assert_int_equal(now.rect[0], 0);
+    for (y = now.rect[1]; y <= now.rect[3]; ++y)
+        for (x = now.rect[0]; x <= now.rect[2]; ++x) {
+            const int at = y * now.r.width + x;
+            if (now.z[2 * at] == 0.0f) continue;
+            assert_true(now.frames[4 * at + 2] == (is_inside(last.rect, x, y) ? 3.0f : 1.0f));
+            if (is_inside(last.rect, x, y)) continue;
+            assert_memory_equal(now.mean[0] + 4 * at, now.raw[0] + 4 * at, 4 * sizeof(float));
+            assert_memory_equal(now.sent[0] + 3 * at, now.radiance[0] + 3 * at, 3 * sizeof(float));
+        }
+    compare_frame(&m, &now, &last, true);
+    free_frame(&last), free_frame(&now);
+    close_film(&m);
+}
+
+/* While nothing moves every surface counts 1, 2, 3, ..., 64, and stays there. */
+static void test_still_frames_count(void** state) {
+    int kind, n;
+    (void)state;
+    for (kind = 0; kind < 3; ++kind) {
+        how h = still_how();
+        film m;
+        h.width = 60, h.height = 40;
+        h.engine = kind == 1;
+        h.divisor = kind == 2 ? 4 : 1;
+        if (kind == 2) h.oracle = DGB_ORACLE_PEEL; /* elsewhere a divided layer may move by a bit of depth */
+        m = open_film(&h);
+        for (n = 0; n < (kind ? 4 : 67); ++n) {
+            frame s = next_frame(&m);
+            check_counts(&s, n < 64 ? (float)(n + 1) : 64.0f, "still");
+            free_frame(&s);
+        }
+        close_film(&m);
+    }
+}
+
+/* Without weight there is no history, though it is counted; and then every frame takes the same taps. */
+static void test_weight_0_is_raw(void** state) {
+    how h = default_how();
+    film m;
+    int n;
+    (void)state;
+    h.params.history_weight = 0.0f;
+    m = open_film(&h);
+    for (n = 0; n < 4; ++n) {
+        frame s = next_frame(&m);
+        check_raw(&s);
+        if (n == 3) compare_gathered(&s, &h, 0);
+        free_frame(&s);
+    }
+    close_film(&m);
+}
+
+/* >> poison: what must not spread, and must not stay */
+
+static const dgb_slot poisoned[] = {DGB_FRAMES,           DGB_LAST_FRAMES,     DGB_IRRADIANCE_MEAN,
+                                    DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE, DGB_LAST_IRRADIANCE1,
+                                    DGB_IRRADIANCE_RAW,   DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE_HALF,
+                                    DGB_IRRADIANCE1_HALF, DGB_IRRADIANCE,      DGB_IRRADIANCE1};
+
+/* Writes a value into every texel of these images outside (or, with everywhere, inside as well) of a rectangle. */
+static void poison(const film* m, float value, bool everywhere, const int rect[4]) {
+    const int w = m->c.plan.width, h = m->c.plan.height;
+    size_t i;
+    int x, y, k;
+    for (i = 0; i < sizeof poisoned / sizeof poisoned[0]; ++i) {
+        float* texels = read_image(&m->c, poisoned[i], 0, 4);
+        if (!texels) continue;
+        for (y = 0; y < h; ++y)
+            for (x = 0; x < w; ++x)
+                for (k = 0; k < 4; ++k)
+                    if (everywhere || !is_inside(rect, x, y)) texels[4 * (y * w + x) + k] = value;
+        glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&m->c, poisoned[i])));
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, w, h, GL_RGBA, GL_FLOAT, texels);
+        glBindTexture(GL_TEXTURE_2D, 0);
+        free(texels);
+    }
+}
+
+static void check_range(const frame* s, const float* image, int channels, float high) {
+    int x, y, k;
+    for (y = s->rect[1]; y <= s->rect[3]; ++y)
+        for (x = s->rect[0]; x <= s->rect[2]; ++x)
+            for (k = 0; k < channels && image; ++k) {
+                const float value = image[channels * (y * s->r.width + x) + k];
+                assert_true(value >= 0.0f && value <= (k == 3 ? 1.0f : high)); /* and no NaN */
+            }
+}
+
+static void check_ranges(const frame* s) {
+    const int texels = s->r.width * s->r.height;
+    int l, i;
+    check_range(s, s->ao_raw, 1, 1.0f);
+    check_range(s, s->ao, 1, 1.0f);
+    for (l = 0; l < 2; ++l) {
+        check_range(s, s->raw[l], 4, DGB_MAX_RADIANCE);
+        check_range(s, s->mean[l], 4, DGB_MAX_RADIANCE);
+        check_range(s, s->half[l], 4, DGB_MAX_RADIANCE);
+        check_range(s, s->light[l], 4, DGB_MAX_RADIANCE);
+        for (i = 0; i < 3 * texels && s->sent[l]; ++i)
+            assert_true(s->sent[l][i] >= 0.0f && s->sent[l][i] <= DGB_MAX_RADIANCE);
+    }
+    for (i = 0; i < texels && s->frames; ++i)
+        if (is_inside(s->rect, i % s->r.width, i / s->r.width))
+            for (l = 1; l < 4; ++l) assert_true(s->frames[4 * i + l] >= 0.0f && s->frames[4 * i + l] <= 64.0f);
+}
+
+static const float poisons[] = {NAN, INFINITY, -INFINITY, -1.0f, 65504.0f};
+
+/* A poisoned film beside a clean one that shows the same frames. */
+static void two_films(const how* h, int before, film* clean, film* sick) {
+    int n;
+    *clean = open_film(h);
+    *sick = open_film(h);
+    for (n = 0; n < before; ++n) run_frame(clean, false), run_frame(sick, false);
+}
+
+/* Largest difference between channels first..last of two images inside the rectangle, less `ulps` of the larger. */
+static double farthest(const frame* a, const float* x, const float* y, int first, int last, double ulps) {
+    double worst = 0.0;
+    int i, k;
+    for (i = 0; i < a->r.width * a->r.height; ++i)
+        for (k = first; k <= last && is_inside(a->rect, i % a->r.width, i / a->r.width); ++k) {
+            const double p = (double)x[4 * i + k], q = (double)y[4 * i + k];
+            const double off = fabs(p - q) - ulps * tally_half_ulp(fabs(p) > fabs(q) ? p : q);
+            worst = off > worst ? off : worst;
+        }
+    return worst;
+}
+
+static bool same_image(const frame* a, const float* x, const float* y) { return farthest(a, x, y, 0, 3, 0.0) == 0.0; }
+
+static void check_visibility(const frame* s) {
+    int i;
+    for (i = 0; i < s->r.width * s->r.height; ++i)
+        if (is_inside(s->rect, i % s->r.width, i / s->r.width))
+            assert_true(s->frames[4 * i] >= 0.0f && s->frames[4 * i] <= 1.0f);
+}
+
+/* Finite at once. A weight of 1/2 halves what is left every frame, so that 64512 is less than an ulp of 1/500 after 44;
+   where both averages are of the same frames but one is rounded otherwise, they stay within 1 / (1 - 1/2) ulps. */
+static void check_healing(float value) {
+    how h = still_how();
+    film clean, sick;
+    frame a, b;
+    int n;
+    h.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL;
+    h.width = 60, h.height = 40;
+    h.params.history_weight = 0.5f;
+    two_films(&h, 3, &clean, &sick);
+    poison(&sick, value, true, NULL);
+    for (n = 0; n < 44; ++n) {
+        a = next_frame(&clean), b = next_frame(&sick);
+        check_ranges(&b);
+        check_visibility(&b);
+        if (n < 43) free_frame(&a), free_frame(&b);
+    }
+    assert_true(farthest(&a, a.mean[0], b.mean[0], 0, 3, 2.0) <= 64512.0 * ldexp(1.0, -44));
+    assert_true(farthest(&a, a.frames, b.frames, 0, 0, 2.0) <= 64512.0 * ldexp(1.0, -44));
+    free_frame(&a), free_frame(&b);
+    close_film(&clean), close_film(&sick);
+}
+
+/* With bounces the light that was there comes back with every bounce, but the surfaces keep a part of it each time, so that
+   it dies out geometrically. What remains is rounding: a device may truncate the radiance that is sent to 6 bits (blue: 5),
+   and where a sum lies between two codes either may stay. One code is 1/32, and all bounces add up to less than
+   1 / (1 - 1/2) of it with a damping of 1/2. */
+static void check_healing_of_bounces(float value) {
+    how h = still_how();
+    film clean, sick;
+    frame a, b;
+    int n, i, k;
+    h.width = 60, h.height = 40;
+    h.params.history_weight = 0.5f;
+    h.params.bounce_damping = 0.5f;
+    two_films(&h, 3, &clean, &sick);
+    poison(&sick, value, true, NULL);
+    for (n = 0; n < 80; ++n) {
+        run_frame(&clean, false);
+        if (n % 8) {
+            run_frame(&sick, false);
+            continue;
+        }
+        b = next_frame(&sick);
+        check_ranges(&b);
+        free_frame(&b);
+    }
+    a = next_frame(&clean), b = next_frame(&sick);
+    for (i = 0; i < a.r.width * a.r.height; ++i)
+        for (k = 0; k < 3 && is_inside(a.rect, i % a.r.width, i / a.r.width); ++k) {
+            const double p = (double)a.light[0][4 * i + k], q = (double)b.light[0][4 * i + k];
+            assert_true(fabs(p - q) <= (p > q ? p : q) / 16.0 + 1e-6);
+        }
+    free_frame(&a), free_frame(&b);
+    close_film(&clean), close_film(&sick);
+}
+
+/* With bounces too: finite at once, and where last frame is of no use as if nothing had been. */
+static void check_poison_and_cut(float value) {
+    how h = default_how();
+    film clean, sick;
+    frame a, b;
+    h.width = 60, h.height = 40;
+    two_films(&h, 3, &clean, &sick);
+    poison(&sick, value, true, NULL);
+    b = next_frame(&sick);
+    check_ranges(&b);
+    free_frame(&b);
+    run_frame(&clean, false);
+    poison(&sick, value, true, NULL);
+    build_frame(&sick, true), build_frame(&clean, true);
+    shade_frame(&sick), shade_frame(&clean);
+    a = frame_of(&clean), b = frame_of(&sick);
+    assert_true(same_image(&a, a.light[0], b.light[0]));
+    assert_true(same_image(&a, a.light[1], b.light[1]));
+    assert_true(same_image(&a, a.frames, b.frames));
+    free_frame(&a), free_frame(&b);
+    close_film(&clean), close_film(&sick);
+}
+
+/* Nothing outside of the shaded rectangle is ever read: poison there changes no bit, whatever moves. */
+static void check_poison_outside(float value, float fraction) {
+    how h = default_how();
+    film clean, sick;
+    int n, rect[4];
+    h.width = 61, h.height = 43; /* odd */
+    h.step[0] = 0.3f, h.shake = 1.5f;
+    h.params.guard_fraction = fraction;
+    h.params.filter_taps = 25, h.params.filter_step = 3;
+    two_films(&h, 1, &clean, &sick);
+    shaded_rect(&sick.c, &h.params, rect);
+    for (n = 0; n < 3; ++n) {
+        frame a, b;
+        poison(&sick, value, false, rect);
+        a = next_frame(&clean), b = next_frame(&sick);
+        assert_true(same_image(&a, a.light[0], b.light[0]));
+        assert_true(same_image(&a, a.light[1], b.light[1]));
+        assert_true(same_image(&a, a.frames, b.frames));
+        assert_memory_equal(a.sent[0], b.sent[0], (size_t)(3 * a.r.width * a.r.height) * sizeof(float));
+        assert_memory_equal(a.sent[1], b.sent[1], (size_t)(3 * a.r.width * a.r.height) * sizeof(float));
+        check_ranges(&b);
+        free_frame(&a), free_frame(&b);
+    }
+    close_film(&clean), close_film(&sick);
+}
+
+static void test_poison_heals(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof poisons / sizeof poisons[0]; ++i) check_healing(poisons[i]);
+}
+
+static void test_poison_of_bounces_heals(void** state) {
+    (void)state;
+    check_healing_of_bounces(NAN);
+    check_healing_of_bounces(65504.0f);
+}
+
+static void test_poison_and_cut(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof poisons / sizeof poisons[0]; ++i) check_poison_and_cut(poisons[i]);
+}
+
+static void test_poison_outside(void** state) {
+    (void)state;
+    check_poison_outside(NAN, 0.0f);
+    check_poison_outside(65504.0f, 0.5f);
+    check_poison_outside(INFINITY, 0.1f);
+}
+
+/* >> every combination of effects, and presets that change at run time */
+
+static bool makes_sense(uint32_t effects) {
+    if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
+    return (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) != 0;
+}
+
+static void test_every_combination_runs(void** state) {
+    uint32_t effects;
+    int layers, engine, n;
+    (void)state;
+    for (effects = 1; effects <= ALL; ++effects)
+        for (layers = 1; layers <= 2; ++layers)
+            for (engine = 0; engine < 2 && makes_sense(effects); ++engine) {
+                how h = default_how();
+                film m;
+                h.effects = effects;
+                h.layers = layers;
+                h.engine = engine != 0;
+                h.width = 40, h.height = 24;
+                m = open_film(&h);
+                for (n = 0; n < 2 * DGB_PRESET_COUNT; ++n) {
+                    frame s;
+                    m.h.params = dgb_preset((dgb_preset_id)(n % DGB_PRESET_COUNT));
+                    s = next_frame(&m);
+                    check_ranges(&s);
+                    free_frame(&s);
+                }
+                close_film(&m);
+                assert_int_equal(f.messages, 0);
+            }
+}
+
+/* Mean of the first three channels over the image, without the guard band. */
+static double mean_of(const frame* s, const float* image) {
+    double sum = 0.0;
+    int x, y, k, count = 0;
+    for (y = GUARD; y < s->r.height - GUARD; ++y)
+        for (x = GUARD; x < s->r.width - GUARD; ++x, ++count)
+            for (k = 0; k < 3; ++k) sum += (double)image[4 * (y * s->r.width + x) + k];
+    return sum / (3.0 * count);
+}
+
+static dgb_params preset_of(int n) {
+    dgb_params q = dgb_preset((dgb_preset_id)(n % DGB_PRESET_COUNT));
+    q.radius = 3.0f;
+    return q;
+}
+
+/* Another preset every frame. The mean may move by the share that a new frame has, 15 %, of how far that frame's own
+   result is from it; the filter, which keeps a mean up to what crosses the rectangle's border, may add 1 %. */
+static void test_presets_do_not_flash(void** state) {
+    how h = still_how();
+    film m;
+    double last = 0.0, last_mean = 0.0, worst = 0.0, worst_raw = 0.0, excess = 0.0;
+    int n;
+    (void)state;
+    h.params = preset_of(DGB_PRESET_BALANCED);
+    m = open_film(&h);
+    for (n = 0; n < 20; ++n) run_frame(&m, false);
+    for (n = 0; n < 13; ++n) {
+        frame s;
+        double now, raw, change;
+        m.h.params = preset_of(n + 1);
+        s = next_frame(&m);
+        now = mean_of(&s, s.light[0]);
+        raw = mean_of(&s, s.raw[0]);
+        change = fabs(now - last) / now;
+        if (n > 0) {
+            worst = fmax(worst, change);
+            worst_raw = fmax(worst_raw, fabs(raw - last_mean) / now);
+            excess = fmax(excess, change - 0.15 * fabs(raw - last_mean) / now);
+        }
+        last = now;
+        last_mean = mean_of(&s, s.mean[0]);
+        free_frame(&s);
+    }
+    printf("# presets: irradiance changes by %.4f a frame at most, raw by %.4f; %.4f more than its share\n", worst,
+           worst_raw, excess);
+    assert_true(excess <= 0.01);
+    assert_true(worst <= 0.15 * worst_raw + 0.01);
+    assert_true(worst_raw > 0.05); /* or the presets would be all the same, and this would prove nothing */
+    close_film(&m);
+}
+
 static void test_no_messages(void** state) {
     (void)state;
     assert_int_equal(f.messages, 0);
@@ -554,9 +1128,25 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference),         cmocka_unit_test(test_reference_divisor),
-        cmocka_unit_test(test_reference_cameras), cmocka_unit_test(test_reference_engine),
-        cmocka_unit_test(test_reference_effects), cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_reference),
+        cmocka_unit_test(test_reference_divisor),
+        cmocka_unit_test(test_reference_cameras),
+        cmocka_unit_test(test_reference_engine),
+        cmocka_unit_test(test_reference_effects),
+        cmocka_unit_test(test_first_frame_cut_resize),
+        cmocka_unit_test(test_two_builds_without_a_shade),
+        cmocka_unit_test(test_shading_twice),
+        cmocka_unit_test(test_parameters_that_reset),
+        cmocka_unit_test(test_more_of_the_guard_band),
+        cmocka_unit_test(test_still_frames_count),
+        cmocka_unit_test(test_weight_0_is_raw),
+        cmocka_unit_test(test_poison_heals),
+        cmocka_unit_test(test_poison_of_bounces_heals),
+        cmocka_unit_test(test_poison_and_cut),
+        cmocka_unit_test(test_poison_outside),
+        cmocka_unit_test(test_every_combination_runs),
+        cmocka_unit_test(test_presets_do_not_flash),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -1,0 +1,94 @@
+#include "gl_images.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const float near_plane = 0.1f;
+
+static int channels_of(int kind) { return kind == IMAGE_DEPTH ? 1 : 3; }
+
+images images_open(int width, int height) {
+    images m;
+    int kind, layer;
+    memset(&m, 0, sizeof m);
+    m.width = width;
+    m.height = height;
+    for (kind = 0; kind < IMAGE_KINDS; ++kind)
+        for (layer = 0; layer < 2; ++layer)
+            m.texels[kind][layer] = (float*)calloc((size_t)(width * height * channels_of(kind)), sizeof(float));
+    glGenTextures(2 * IMAGE_KINDS, m.textures[0]);
+    return m;
+}
+
+void images_close(images* m) {
+    int kind, layer;
+    for (kind = 0; kind < IMAGE_KINDS; ++kind)
+        for (layer = 0; layer < 2; ++layer) free(m->texels[kind][layer]);
+    glDeleteTextures(2 * IMAGE_KINDS, m->textures[0]);
+}
+
+float* images_at(const images* m, image_kind kind, int layer, int x, int y) {
+    return m->texels[kind][layer] + (y * m->width + x) * channels_of(kind);
+}
+
+float images_depth(double distance) { return (float)((double)near_plane / distance); }
+
+void images_put(images* m, int layer, int x, int y, double distance, const float normal[3]) {
+    *images_at(m, IMAGE_DEPTH, layer, x, y) = images_depth(distance);
+    memcpy(images_at(m, IMAGE_NORMAL, layer, x, y), normal, 3 * sizeof(float));
+}
+
+void images_fill(images* m, image_kind kind, const float color[3]) {
+    int layer, i;
+    for (layer = 0; layer < 2; ++layer)
+        for (i = 0; i < 3 * m->width * m->height; ++i) m->texels[kind][layer][i] = color[i % 3];
+}
+
+dgb_layers images_upload(const images* m) {
+    dgb_texture given[IMAGE_KINDS][2];
+    dgb_layers layers;
+    int kind, layer;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (kind = 0; kind < IMAGE_KINDS; ++kind)
+        for (layer = 0; layer < 2; ++layer) {
+            const GLuint name = m->textures[kind][layer];
+            glBindTexture(GL_TEXTURE_2D, name);
+            glTexImage2D(GL_TEXTURE_2D, 0, kind == IMAGE_DEPTH ? GL_R32F : GL_RGB32F, m->width, m->height, 0,
+                         kind == IMAGE_DEPTH ? GL_RED : GL_RGB, GL_FLOAT, m->texels[kind][layer]);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+            given[kind][layer] = dgbgl_texture(name);
+        }
+    glBindTexture(GL_TEXTURE_2D, 0);
+    memcpy(layers.depth, given[IMAGE_DEPTH], sizeof layers.depth);
+    memcpy(layers.normal, given[IMAGE_NORMAL], sizeof layers.normal);
+    memcpy(layers.radiance, given[IMAGE_RADIANCE], sizeof layers.radiance);
+    memcpy(layers.albedo, given[IMAGE_ALBEDO], sizeof layers.albedo);
+    memcpy(layers.velocity, given[IMAGE_VELOCITY], sizeof layers.velocity);
+    return layers;
+}
+
+dgb_view images_view(const images* m, int guard) {
+    fixture_view v = fixture_default_view();
+    v.reversed = true;
+    v.clip = DGB_CLIP_ZERO_TO_ONE;
+    v.near_plane = near_plane;
+    v.far_plane = 0.0f;
+    return fixture_dgb_view(&v, m->width - 2 * guard, m->height - 2 * guard);
+}
+
+dgb_desc images_desc(const images* m, int guard, int layers, uint32_t effects, const dgb_backend* backend) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = m->width - 2 * guard;
+    d.height = m->height - 2 * guard;
+    d.guard_band = guard;
+    d.layers = layers;
+    d.effects = effects;
+    d.source = DGB_SOURCE_ENGINE;
+    d.clip = DGB_CLIP_ZERO_TO_ONE;
+    d.reversed = true;
+    d.normals = DGB_NORMALS_FLOAT;
+    d.backend = backend;
+    d.log = fixture_log;
+    return d;
+}

@@ -1,0 +1,41 @@
+/* Layers made up texel by texel, as an engine's own (DGB_SOURCE_ENGINE): reversed infinite perspective, float normals. */
+#ifndef GL_IMAGES_H
+#define GL_IMAGES_H
+
+#include "gl_fixture.h"
+
+typedef enum image_kind {
+    IMAGE_DEPTH,
+    IMAGE_NORMAL,
+    IMAGE_RADIANCE,
+    IMAGE_ALBEDO,
+    IMAGE_VELOCITY,
+    IMAGE_KINDS
+} image_kind;
+
+typedef struct images {
+    int width, height;             /* of the buffers */
+    float* texels[IMAGE_KINDS][2]; /* of both layers; depth 1 float a texel, the others 3; all 0: empty */
+    GLuint textures[IMAGE_KINDS][2];
+} images;
+
+images images_open(int width, int height);
+void images_close(images* m);
+
+/* The texel of a layer. */
+float* images_at(const images* m, image_kind kind, int layer, int x, int y);
+/* Depth of a surface so many metres away. */
+float images_depth(double distance);
+/* A surface at a texel of a layer, that sends nothing, reflects nothing and does not move. */
+void images_put(images* m, int layer, int x, int y, double distance, const float normal[3]);
+/* The same colour at every texel of both layers. */
+void images_fill(images* m, image_kind kind, const float color[3]);
+
+/* Uploads all; the same textures every time. */
+dgb_layers images_upload(const images* m);
+
+/* Where fixture_default_view stands: 60 degrees, for an image of the size that leaves `guard` texels on every side. */
+dgb_view images_view(const images* m, int guard);
+dgb_desc images_desc(const images* m, int guard, int layers, uint32_t effects, const dgb_backend* backend);
+
+#endif
