@@ -36,6 +36,9 @@ float images_depth(double distance) { return (float)((double)near_plane / distan
 void images_put(images* m, int layer, int x, int y, double distance, const float normal[3]) {
     *images_at(m, IMAGE_DEPTH, layer, x, y) = images_depth(distance);
     memcpy(images_at(m, IMAGE_NORMAL, layer, x, y), normal, 3 * sizeof(float));
+    memset(images_at(m, IMAGE_RADIANCE, layer, x, y), 0, 3 * sizeof(float));
+    memset(images_at(m, IMAGE_ALBEDO, layer, x, y), 0, 3 * sizeof(float));
+    memset(images_at(m, IMAGE_VELOCITY, layer, x, y), 0, 3 * sizeof(float));
 }
 
 void images_fill(images* m, image_kind kind, const float color[3]) {

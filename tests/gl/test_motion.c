@@ -1,0 +1,320 @@
+/* Surfaces that move, come into view and leave it: what the temporal filter keeps of them. Layers made up texel by texel, so
+   that every count of frames is known beforehand. */
+#include "gl_images.h"
+#include "tally.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 64, HEIGHT = 40, BLOCKER = 16 };
+
+#define ALL (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+
+static fixture f;
+
+static const float towards_eye[3] = {0.0f, 0.0f, 1.0f};
+static const double wall = 6.0, blocker = 3.0; /* metres away */
+
+/* >> a context, and what it makes of one frame */
+
+typedef struct stage {
+    images m;
+    dgb_context c;
+    dgb_view view;
+    dgb_params params;
+    int guard;
+} stage;
+
+static stage open_stage(int width, int height, int guard, int layers, uint32_t effects) {
+    stage s;
+    dgb_desc d;
+    memset(&s, 0, sizeof s);
+    s.guard = guard;
+    s.m = images_open(width, height);
+    s.view = images_view(&s.m, guard);
+    s.params = dgb_preset(DGB_PRESET_QUALITY);
+    d = images_desc(&s.m, guard, layers, effects, &f.gl.backend);
+    assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
+    return s;
+}
+
+static void close_stage(stage* s) {
+    dgb_shutdown(&s->c);
+    images_close(&s->m);
+}
+
+static void shade(stage* s) {
+    const dgb_layers layers = images_upload(&s->m);
+    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
+    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
+}
+
+static float* read_image(const stage* s, dgb_slot slot) {
+    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, s->m.width, s->m.height, 0, GL_RGBA, 4);
+}
+
+static void write_image(const stage* s, dgb_slot slot, const float* texels) {
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&s->c, slot)));
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, s->m.width, s->m.height, GL_RGBA, GL_FLOAT, texels);
+    glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+static bool is_blocker(int x, int left) { return x >= left && x < left + BLOCKER; }
+
+/* A blocker before a wall; it stands at `left` and came from `left - moved`. */
+static void put_blocker(stage* s, int left, float moved) {
+    int x, y;
+    for (y = 0; y < s->m.height; ++y)
+        for (x = 0; x < s->m.width; ++x) {
+            const bool front = is_blocker(x, left);
+            images_put(&s->m, 0, x, y, front ? blocker : wall, towards_eye);
+            images_put(&s->m, 1, x, y, wall, towards_eye);
+            if (!front) *images_at(&s->m, IMAGE_DEPTH, 1, x, y) = 0.0f; /* the wall is in front there */
+            if (front) *images_at(&s->m, IMAGE_VELOCITY, 0, x, y) = moved;
+        }
+}
+
+/* >> what comes into view */
+
+/* The blocker goes on by 8 pixels every frame. The wall that it uncovers restarts, or, where the second layer has kept it,
+   goes on; everything else was in view and goes on in either case. */
+static void check_uncovered(int layers) {
+    stage s = open_stage(WIDTH, HEIGHT, 0, layers, ALL);
+    int frame, x, y, uncovered = 0;
+    for (frame = 0; frame < 5; ++frame) {
+        const int left = 8 * frame;
+        float* frames;
+        put_blocker(&s, left, frame ? 8.0f : 0.0f);
+        shade(&s);
+        frames = read_image(&s, DGB_FRAMES);
+        for (y = 0; y < HEIGHT; ++y)
+            for (x = 0; x < WIDTH; ++x) {
+                const float* texel = frames + 4 * (y * WIDTH + x);
+                const bool before = frame > 0 && is_blocker(x, left - 8), now = is_blocker(x, left);
+                /* frames that one layer has seen what it shows here without a break */
+                const int seen = now || x >= left ? frame + 1 : frame - x / 8;
+                uncovered += before && !now;
+                assert_true(texel[1] == (float)seen); /* visibility is the first layer's alone */
+                assert_true(texel[2] == (float)(layers > 1 ? frame + 1 : seen));
+                if (layers > 1) assert_true(texel[3] == (now ? (float)(frame + 1) : 0.0f));
+            }
+        free(frames);
+    }
+    assert_true(uncovered == 4 * 8 * HEIGHT);
+    close_stage(&s);
+}
+
+static void test_uncovered(void** state) {
+    (void)state;
+    check_uncovered(1);
+    check_uncovered(2);
+}
+
+/* What the wall had while it stood behind is what it has when it comes to light: the second layer's average, weighed as n to
+   1. It is no other light: the blocker's own is a thousand times as strong. */
+static void test_second_layer_hands_on(void** state) {
+    static const float of_blocker[4] = {1000.0f, 2000.0f, 3000.0f, 1.0f}, of_wall[4] = {1.0f, 2.0f, 0.5f, 0.75f};
+    stage s = open_stage(WIDTH, HEIGHT, 0, 2, ALL);
+    float *image, *raw, *mean;
+    int x, y, k, count = 0;
+    (void)state;
+    put_blocker(&s, 16, 0.0f);
+    shade(&s);
+    shade(&s);
+    image = read_image(&s, DGB_IRRADIANCE_MEAN);
+    for (x = 0; x < 4 * WIDTH * HEIGHT; ++x) image[x] = (is_blocker(x / 4 % WIDTH, 16) ? of_blocker : of_wall)[x % 4];
+    write_image(&s, DGB_IRRADIANCE_MEAN, image);
+    for (x = 0; x < 4 * WIDTH * HEIGHT; ++x) image[x] = of_wall[x % 4];
+    write_image(&s, DGB_IRRADIANCE1_MEAN, image);
+    free(image);
+    put_blocker(&s, 24, 8.0f);
+    shade(&s);
+    raw = read_image(&s, DGB_IRRADIANCE_RAW), mean = read_image(&s, DGB_IRRADIANCE_MEAN);
+    for (y = 0; y < HEIGHT; ++y)
+        for (x = 0; x < WIDTH; ++x)
+            for (k = 0; k < 4; ++k) {
+                const int at = 4 * (y * WIDTH + x) + k;
+                const double old = (double)(is_blocker(x, 24) ? of_blocker : of_wall)[k];
+                const double expected = (2.0 * old + (double)raw[at]) / 3.0; /* two frames and one */
+                assert_true(fabs((double)mean[at] - expected) <= 2.0 * tally_half_ulp(expected));
+                count += x >= 16 && x < 24;
+            }
+    assert_int_equal(count, 4 * 8 * HEIGHT);
+    free(raw), free(mean);
+    close_stage(&s);
+}
+
+/* >> no ghosts */
+
+/* Blocker and wall pan by parts of pixels, so that every history is a mix of four texels, of which those along the edge show
+   the other surface. No light is gathered (nothing sends), so an average is all history: at most what that surface had. */
+static void check_no_ghost(float pan, bool blocker_is_bright) {
+    stage s = open_stage(WIDTH, HEIGHT, 0, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL);
+    float *image, *mean;
+    int x, y, i, edge = 0;
+    double on_wall = 0.0, on_blocker = 1e30;
+    put_blocker(&s, 16, 0.0f);
+    shade(&s);
+    image = read_image(&s, DGB_IRRADIANCE_MEAN);
+    for (i = 0; i < 4 * WIDTH * HEIGHT; ++i)
+        image[i] = i % 4 == 3 ? 1.0f : is_blocker(i / 4 % WIDTH, 16) == blocker_is_bright ? 1000.0f : 1.0f;
+    write_image(&s, DGB_IRRADIANCE_MEAN, image);
+    free(image);
+    put_blocker(&s, 16, 0.0f);
+    for (i = 0; i < WIDTH * HEIGHT; ++i)
+        s.m.texels[IMAGE_VELOCITY][0][3 * i] = pan, s.m.texels[IMAGE_VELOCITY][0][3 * i + 1] = 0.25f;
+    shade(&s);
+    mean = read_image(&s, DGB_IRRADIANCE_MEAN);
+    for (y = 2; y < HEIGHT - 2; ++y)
+        for (x = 2; x < WIDTH - 2; ++x) {
+            const double e = (double)mean[4 * (y * WIDTH + x)];
+            edge += is_blocker(x, 16) != is_blocker(x + (pan > 0.0f ? -1 : 1), 16);
+            if (is_blocker(x, 16) != blocker_is_bright) on_wall = e > on_wall ? e : on_wall;
+            if (is_blocker(x, 16) == blocker_is_bright && e > 0.0) on_blocker = e < on_blocker ? e : on_blocker;
+        }
+    printf("# pan %g: 1 becomes %g at most, 1000 becomes %g at least\n", (double)pan, on_wall, on_blocker);
+    assert_true(edge >= 2 * (HEIGHT - 4));
+    assert_true(on_wall <= 0.5 * (1.0 + 1.0 / 1024.0)); /* one frame of history, one of darkness */
+    assert_true(on_blocker >= 500.0 * (1.0 - 1.0 / 1024.0));
+    free(mean);
+    close_stage(&s);
+}
+
+static void test_no_ghost(void** state) {
+    static const float pans[] = {0.5f, -0.5f, 0.3f, -0.9f, 0.97f};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof pans / sizeof pans[0]; ++i) {
+        check_no_ghost(pans[i], true);
+        check_no_ghost(pans[i], false);
+    }
+}
+
+/* >> the border of what was shaded */
+
+static void put_wall(stage* s, float vx, float vy) {
+    int x, y;
+    for (y = 0; y < s->m.height; ++y)
+        for (x = 0; x < s->m.width; ++x) {
+            images_put(&s->m, 0, x, y, wall, towards_eye);
+            images_at(&s->m, IMAGE_VELOCITY, 0, x, y)[0] = vx;
+            images_at(&s->m, IMAGE_VELOCITY, 0, x, y)[1] = vy;
+        }
+}
+
+/* The camera pans along a wall: what comes in at the border has never been shaded. */
+static void check_pan(int guard, float fraction, float vx, float vy) {
+    stage s = open_stage(WIDTH, HEIGHT, guard, 1, ALL);
+    const int inset = guard - (int)floorf((float)guard * fraction + 0.5f), low = inset;
+    const float high[2] = {(float)(WIDTH - inset), (float)(HEIGHT - inset)};
+    /* pixels that a metre across covers at the wall */
+    const float scale = 0.5f * (float)(HEIGHT - 2 * guard) * s.view.projection[5] / (float)wall;
+    float* frames;
+    int x, y, fresh = 0;
+    s.params.guard_fraction = fraction;
+    put_wall(&s, 0.0f, 0.0f);
+    shade(&s);
+    s.view.view[12] += vx / scale, s.view.view[13] += vy / scale; /* the world moves as the velocity says */
+    put_wall(&s, vx, vy);
+    shade(&s);
+    frames = read_image(&s, DGB_FRAMES);
+    for (y = low; y < HEIGHT - low; ++y)
+        for (x = low; x < WIDTH - low; ++x) {
+            const float then[2] = {(float)x + 0.5f - vx, (float)y + 0.5f - vy};
+            const bool known = then[0] >= (float)low && then[1] >= (float)low && then[0] < high[0] && then[1] < high[1];
+            assert_true(fabsf(frames[4 * (y * WIDTH + x) + 2] - (known ? 2.0f : 1.0f)) < 0.002f);
+            fresh += !known;
+        }
+    assert_true(fresh > 0);
+    free(frames);
+    close_stage(&s);
+}
+
+static void test_border(void** state) {
+    (void)state;
+    check_pan(0, 0.0f, 5.25f, 0.0f);
+    check_pan(0, 0.0f, -5.25f, 0.75f);
+    check_pan(6, 0.5f, 3.5f, -2.25f);
+    check_pan(6, 1.0f, -0.6f, 9.0f);
+    check_pan(6, 0.0f, 0.0f, -7.9f);
+}
+
+/* >> what an engine may hand over */
+
+/* NaN, infinite or absurd velocities: no history there, and nothing else changes. Albedo and radiance that are no numbers
+   are black. */
+static void check_odd_input(image_kind kind, float odd) {
+    stage clean = open_stage(WIDTH, HEIGHT, 0, 2, ALL), sick = open_stage(WIDTH, HEIGHT, 0, 2, ALL);
+    static const float grey[3] = {0.5f, 0.5f, 0.5f}, light[3] = {1.0f, 2.0f, 3.0f};
+    float *a, *b, *frames;
+    int frame, x, y, k;
+    for (frame = 0; frame < 4; ++frame) {
+        put_blocker(&clean, 16, 0.0f), put_blocker(&sick, 16, 0.0f);
+        images_fill(&clean.m, IMAGE_ALBEDO, grey), images_fill(&sick.m, IMAGE_ALBEDO, grey);
+        images_fill(&clean.m, IMAGE_RADIANCE, light), images_fill(&sick.m, IMAGE_RADIANCE, light);
+        for (y = 10; y < 14; ++y)
+            for (x = 20; x < 24 && frame == 2; ++x)
+                for (k = 0; k < 3; ++k) {
+                    images_at(&sick.m, kind, 0, x, y)[k] = odd;
+                    if (kind != IMAGE_VELOCITY) images_at(&clean.m, kind, 0, x, y)[k] = 0.0f;
+                }
+        shade(&clean), shade(&sick);
+        a = read_image(&clean, DGB_IRRADIANCE_MEAN), b = read_image(&sick, DGB_IRRADIANCE_MEAN);
+        frames = read_image(&sick, DGB_FRAMES);
+        for (y = 0; y < HEIGHT; ++y)
+            for (x = 0; x < WIDTH; ++x) {
+                const bool here = kind == IMAGE_VELOCITY && frame >= 2 && x >= 20 && x < 24 && y >= 10 && y < 14;
+                const int at = 4 * (y * WIDTH + x);
+                for (k = 0; k < 4; ++k) assert_true(b[at + k] >= 0.0f && b[at + k] <= DGB_MAX_RADIANCE);
+                assert_true(frames[at + 2] == (float)(here ? frame - 1 : frame + 1));
+                /* with the velocity the light goes that the surface sends on: its neighbours may differ from then on */
+                if (kind != IMAGE_VELOCITY) assert_memory_equal(a + at, b + at, 4 * sizeof(float));
+            }
+        free(a), free(b), free(frames);
+    }
+    close_stage(&clean), close_stage(&sick);
+}
+
+static void test_odd_input(void** state) {
+    static const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof odd / sizeof odd[0]; ++i) check_odd_input(IMAGE_VELOCITY, odd[i]);
+    check_odd_input(IMAGE_ALBEDO, NAN);
+    check_odd_input(IMAGE_ALBEDO, -1.0f);
+    check_odd_input(IMAGE_RADIANCE, NAN);
+    check_odd_input(IMAGE_RADIANCE, -INFINITY);
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_uncovered), cmocka_unit_test(test_second_layer_hands_on),
+        cmocka_unit_test(test_no_ghost),  cmocka_unit_test(test_border),
+        cmocka_unit_test(test_odd_input), cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests(tests, open_context, close_context);
+}
