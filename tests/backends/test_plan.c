@@ -12,7 +12,24 @@
 #include <limits.h>
 #include <string.h>
 
-static const char* const effect_names[] = {"none", "ao", "radiosity", "ao+radiosity"};
+#define ALL_EFFECTS (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+
+static const char* const effect_names[ALL_EFFECTS + 1] = {"none",
+                                                          "ao",
+                                                          "radiosity",
+                                                          "ao+radiosity",
+                                                          "bounces",
+                                                          "ao+bounces",
+                                                          "radiosity+bounces",
+                                                          "ao+radiosity+bounces",
+                                                          "temporal",
+                                                          "ao+temporal",
+                                                          "radiosity+temporal",
+                                                          "ao+radiosity+temporal",
+                                                          "bounces+temporal",
+                                                          "ao+bounces+temporal",
+                                                          "radiosity+bounces+temporal",
+                                                          "ao+radiosity+bounces+temporal"};
 static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
 
 /* To the last bit: what == says of floats and padding is not the question. */
@@ -79,6 +96,13 @@ static void print_plan(record_text* text, const dgb_plan* plan) {
 }
 
 /* >> golden plans */
+
+/* Many bounces are more of the first; the temporal filter needs something to filter. */
+static bool makes_sense(uint32_t effects) {
+    const bool ao = (effects & DGB_EFFECT_AO) != 0, light = (effects & DGB_EFFECT_RADIOSITY) != 0;
+    return effects <= ALL_EFFECTS && (light || !(effects & DGB_EFFECT_BOUNCES)) &&
+           (ao || light || !(effects & DGB_EFFECT_TEMPORAL));
+}
 
 /* How the layers are emitted is no matter of textures and passes, so one section holds for all that are
    allowed, but for image emission, which has a section of its own. */
@@ -152,6 +176,12 @@ static void test_golden_plans(void** state) {
         for (layers = 1; layers <= 2; ++layers)
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals)
                 print_engine_section(&text, layers, effects, (dgb_normals)normals);
+    for (effects = 4; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects); ++layers)
+            print_built_section(&text, layers, effects, DGB_ORACLE_PEEL);
+    print_engine_section(&text, 1, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
+    print_engine_section(&text, 2, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
+    print_engine_section(&text, 2, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
     record_check_golden("plan.golden", &text);
     record_text_free(&text);
 }
@@ -164,8 +194,9 @@ typedef void (*plan_check)(const dgb_desc* desc, const dgb_plan* plan);
 /* Which of the combinations below are good, and why the others are not. */
 static dgb_log_item expected_item(const dgb_desc* d) {
     const bool divides = d->divisor != 0 && d->divisor != 1;
+    if (d->source == DGB_SOURCE_ENGINE && d->layers > 2) return DGB_LOG_LAYERS;
+    if (!makes_sense(d->effects)) return DGB_LOG_EFFECTS;
     if (d->source == DGB_SOURCE_ENGINE) {
-        if (d->layers > 2) return DGB_LOG_LAYERS;
         return d->oracle || d->emission || divides ? DGB_LOG_SOURCE_OPTIONS : DGB_LOG_NONE;
     }
     if (d->oracle == DGB_ORACLE_PEEL && d->emission != DGB_EMISSION_AUTO && d->emission != DGB_EMISSION_SEPARATE)
@@ -194,7 +225,7 @@ static void for_every_oracle(dgb_desc d, desc_check check) {
 static void for_every_desc(desc_check check) {
     uint32_t effects;
     int layers, source;
-    for (effects = 0; effects < 4; ++effects)
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
         for (layers = 0; layers <= DGB_MAX_LAYERS; ++layers)
             for (source = 0; source < 2; ++source) {
                 dgb_desc d = small_desc(layers, effects);
@@ -243,6 +274,35 @@ static void check_stage(const dgb_plan* plan, dgb_pass_id id, bool wanted) {
         fail_msg("pass %s is %s", dgb_pass_name(id), wanted ? "missing" : "not wanted");
 }
 
+static void check_texture(const dgb_plan* plan, dgb_slot slot, bool wanted, dgb_format format) {
+    const dgb_texture_desc* t = find_texture(plan, slot);
+    if ((t != NULL) != wanted) fail_msg("texture %s is %s", dgb_slot_name(slot), wanted ? "missing" : "not wanted");
+    if (t && t->format != format) fail_msg("%s is %s", dgb_slot_name(slot), dgb_format_name(t->format));
+    if (t) assert_true(t->width == plan->width && t->height == plan->height && t->layers == 0);
+}
+
+/* Last frame's depths for whoever looks back; averages for the temporal filter; the second layer's light where it bounces on.
+   An average needs a half: in R11G11B10F it would stick far below its aim. */
+static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
+    const bool bounces = (desc->effects & DGB_EFFECT_BOUNCES) != 0,
+               temporal = (desc->effects & DGB_EFFECT_TEMPORAL) != 0;
+    const bool light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0, deep = bounces && plan->layers > 1;
+    const dgb_format z = plan->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
+    check_texture(plan, DGB_LAST_Z, bounces || temporal, z);
+    if (bounces || temporal) /* they change places: one must be as the other */
+        assert_int_equal(find_texture(plan, DGB_LAST_Z)->levels, find_texture(plan, DGB_Z)->levels);
+    check_texture(plan, DGB_FRAMES, temporal, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_LAST_FRAMES, temporal, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_IRRADIANCE_MEAN, temporal && light, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_LAST_IRRADIANCE, temporal && light, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_IRRADIANCE1_MEAN, temporal && deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_LAST_IRRADIANCE1, temporal && deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_IRRADIANCE1_RAW, deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_IRRADIANCE1_HALF, deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_IRRADIANCE1, deep, DGB_FORMAT_RGBA16F);
+    check_stage(plan, DGB_PASS_TEMPORAL, temporal);
+}
+
 static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
     static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
     static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_B0};
@@ -258,11 +318,24 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     check_stage(plan, DGB_PASS_PACK, ao || light);
     check_stage(plan, DGB_PASS_MIP, ao || light);
     check_stage(plan, DGB_PASS_RECONSTRUCT, ao || light);
+    check_history(desc, plan);
     assert_int_equal(has_pass(plan, DGB_PASS_LAYERS), desc->source == DGB_SOURCE_BUILD);
     assert_false(has_program(plan, DGB_PASS_LAYERS)); /* the engine's programs draw it */
 }
 
-static bool is_engine_slot(dgb_slot slot) { return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_RADIANCE1; }
+static bool is_engine_slot(dgb_slot slot) { return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_VELOCITY1; }
+
+/* Textures of last frame, and those of this frame that change places with them. */
+static const dgb_slot turns[][2] = {{DGB_LAST_Z, DGB_Z},
+                                    {DGB_LAST_FRAMES, DGB_FRAMES},
+                                    {DGB_LAST_IRRADIANCE, DGB_IRRADIANCE_MEAN},
+                                    {DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1_MEAN}};
+
+/* Packing looks at last frame's final light, where it still is. */
+static bool is_of_last_frame(const dgb_plan_pass* pass, const dgb_plan_input* input) {
+    return pass->id == DGB_PASS_PACK && ((input->name == DGB_LAST_IRRADIANCE && input->texture == DGB_IRRADIANCE) ||
+                                         (input->name == DGB_LAST_IRRADIANCE1 && input->texture == DGB_IRRADIANCE1));
+}
 
 /* Whatever is read was written before, or comes from the engine; whatever is written exists and has that
    level. */
@@ -270,13 +343,14 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
     bool written[DGB_SLOT_COUNT] = {false};
     int i, k;
     (void)desc;
+    for (i = 0; i < 4; ++i) written[turns[i][0]] = find_texture(plan, turns[i][1]) != NULL;
     /* depth and oracle hold the frame before; the key is written by the layers pass, in images */
     written[DGB_ROTATIONS] = written[DGB_ORACLE] = written[DGB_DEPTH] = written[DGB_KEY] = true;
     for (i = 0; i < plan->pass_count; ++i) {
         const dgb_plan_pass* pass = &plan->passes[i];
         for (k = 0; k < pass->input_count; ++k) {
             const dgb_slot slot = pass->inputs[k].texture;
-            if (is_engine_slot(slot)) continue;
+            if (is_engine_slot(slot) || is_of_last_frame(pass, &pass->inputs[k])) continue;
             if (!find_texture(plan, slot) || !written[slot])
                 fail_msg("pass %s reads %s too early", dgb_pass_name(pass->id), dgb_slot_name(slot));
         }
@@ -455,6 +529,28 @@ static void test_bytes_of_k_layers(void** state) {
                 if (plan.bytes != image * (uint64_t)(5 * layers + depths))
                     fail_msg("oracle %s, %d layers: %u bytes", dgb_oracle_name(d.oracle), layers, (unsigned)plan.bytes);
             }
+}
+
+/* What bounces and the temporal filter cost at 1920 x 1080 in two layers: per pixel, last frame's z with its levels, three
+   images of 8 bytes for the second layer's light, six for averages. */
+static void test_bytes_of_history(void** state) {
+    const uint64_t pixels = 1920u * 1080u;
+    static const struct {
+        uint32_t effects;
+        uint64_t images; /* of 8 bytes a pixel, besides last frame's z */
+    } rows[] = {{3 | 4, 3}, {3 | 8, 4}, {3 | 4 | 8, 3 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 3}};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        dgb_desc d = small_desc(2, rows[i].effects);
+        dgb_plan with, without;
+        d.width = 1920, d.height = 1080, d.guard_band = 0;
+        with = make_plan(&d);
+        d.effects &= 3u;
+        without = make_plan(&d);
+        assert_int_equal(bytes_of(&with, DGB_LAST_Z), bytes_of(&without, DGB_Z));
+        assert_int_equal(with.bytes - without.bytes, bytes_of(&without, DGB_Z) + 8 * pixels * rows[i].images);
+    }
 }
 
 static void test_odd_sizes(void** state) {
@@ -649,7 +745,30 @@ static const struct {
     {"3 of the engine's", {SIZE, .layers = 3, .source = DGB_SOURCE_ENGINE}, DGB_INVALID, DGB_LOG_LAYERS},
     {"5 of 4 layers", {SIZE, .layers = 5, .backend = &weak_device}, DGB_INVALID, DGB_LOG_LAYERS},
     {"default layers of 1", {SIZE, .backend = &one_layer}, DGB_INVALID, DGB_LOG_LAYERS},
-    {"effect 4", {SIZE, .effects = 4}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"bounces of nothing", {SIZE, .effects = DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"bounces of occlusion", {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"temporal filter of nothing", {SIZE, .effects = DGB_EFFECT_TEMPORAL}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"temporal filter of bounces",
+     {SIZE, .effects = DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
+    {"effect 16", {SIZE, .effects = 16 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"bounces, no albedo",
+     {SIZE, .effects = 2 | DGB_EFFECT_BOUNCES, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"bounces, no velocity",
+     {SIZE, .effects = 2 | DGB_EFFECT_BOUNCES, .targets = DGB_TARGET_ALL & ~DGB_TARGET_VELOCITY},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"temporal filter of occlusion, no velocity",
+     {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"temporal filter of light, no velocity",
+     {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
     {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"target 16", {SIZE, .targets = 16}, DGB_INVALID, DGB_LOG_TARGETS},
     {"ao, no normal", {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_RADIANCE}, DGB_INVALID, DGB_LOG_TARGETS},
@@ -828,6 +947,10 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .source = DGB_SOURCE_ENGINE, .clip = DGB_CLIP_ZERO_TO_ONE, .backend = &weak_device}, /* no clip to set */
         {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_NORMAL},
         {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+        {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_VELOCITY},
+        {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
+        {SIZE, .effects = ALL_EFFECTS, .targets = DGB_TARGET_ALL},
+        {SIZE, .effects = ALL_EFFECTS, .layers = 8},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .divisor = 4},
         {SIZE, .divisor = 1, .emission = DGB_EMISSION_IMAGE},
@@ -915,6 +1038,7 @@ int main(void) {
         cmocka_unit_test(test_160_bits),
         cmocka_unit_test(test_bytes_of_k_layers),
         cmocka_unit_test(test_bytes_of_the_largest),
+        cmocka_unit_test(test_bytes_of_history),
         cmocka_unit_test(test_odd_sizes),
         cmocka_unit_test(test_depth_formats),
         cmocka_unit_test(test_targets),
