@@ -10,11 +10,34 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define BOTH (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)
 
-static const char* const effect_names[] = {"none", "ao", "radiosity", "ao+radiosity"};
+#define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+
+static const char* const effect_names[ALL_EFFECTS + 1] = {"none",
+                                                          "ao",
+                                                          "radiosity",
+                                                          "ao+radiosity",
+                                                          "bounces",
+                                                          "ao+bounces",
+                                                          "radiosity+bounces",
+                                                          "ao+radiosity+bounces",
+                                                          "temporal",
+                                                          "ao+temporal",
+                                                          "radiosity+temporal",
+                                                          "ao+radiosity+temporal",
+                                                          "bounces+temporal",
+                                                          "ao+bounces+temporal",
+                                                          "radiosity+bounces+temporal",
+                                                          "ao+radiosity+bounces+temporal"};
+
+static bool makes_sense(uint32_t effects) {
+    if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
+    return (effects & BOTH) || !(effects & DGB_EFFECT_TEMPORAL);
+}
 
 /* To the last bit: what == says of floats and padding is not the question. */
 static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
@@ -125,6 +148,9 @@ static dgb_layers engine_layers(fixture* f) {
         layers.normal[i] = record_engine_texture(&f->r, i ? DGB_ENGINE_NORMAL1 : DGB_ENGINE_NORMAL0, width, height);
         layers.radiance[i] =
             record_engine_texture(&f->r, i ? DGB_ENGINE_RADIANCE1 : DGB_ENGINE_RADIANCE0, width, height);
+        layers.albedo[i] = record_engine_texture(&f->r, i ? DGB_ENGINE_ALBEDO1 : DGB_ENGINE_ALBEDO0, width, height);
+        layers.velocity[i] =
+            record_engine_texture(&f->r, i ? DGB_ENGINE_VELOCITY1 : DGB_ENGINE_VELOCITY0, width, height);
     }
     return layers;
 }
@@ -225,6 +251,25 @@ static void print_shading(record_text* text, int layers, uint32_t effects) {
     record_text_free(&shading);
 }
 
+/* Three frames, whole: with two the textures that change places are back where they were. */
+static void print_history(record_text* text, int layers, uint32_t effects) {
+    fixture f;
+    int frame;
+    configure(&f, constructions[6], layers, effects);
+    record_printf(text, "== history, layers %d, effects %s\n", layers, effect_names[effects]);
+    init(&f);
+    for (frame = 0; frame < 3; ++frame) {
+        build(&f);
+        record_clear(&f.r);
+        f.draw_count = 0;
+        record_printf(text, "-- frame %d\n", frame);
+        shade(&f);
+        take_trace(&f, text);
+    }
+    record_printf(text, "\n");
+    stop(&f);
+}
+
 static void print_life(record_text* text, int layers, uint32_t effects, dgb_source source) {
     fixture f;
     start(&f);
@@ -291,6 +336,9 @@ static void test_golden_traces(void** state) {
     print_three_builds(&text, constructions[6], 3, 4);  /* vertex */
     print_three_builds(&text, constructions[12], 3, 2); /* delay, vertex */
     print_three_builds(&text, constructions[8], 3, 4);  /* predict, separate */
+    print_shading(&text, 1, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL);
+    print_shading(&text, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES);
+    print_history(&text, 2, ALL_EFFECTS);
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -301,8 +349,8 @@ static void test_building_and_shading_are_apart(void** state) {
     uint32_t effects;
     int i, layers;
     (void)state;
-    for (effects = 0; effects < 4; ++effects)
-        for (layers = 1; layers <= 4; ++layers) {
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 4 && makes_sense(effects); ++layers) {
             record_text first_shading = {0};
             for (i = 0; i < CONSTRUCTION_COUNT; ++i) {
                 record_text plain = {0}, built = {0}, shading = {0};
@@ -1275,6 +1323,292 @@ static void test_rotations_are_uploaded(void** state) {
     stop(&f);
 }
 
+/* >> last frame in the uniforms */
+
+static const dgb_reprojection* past_of(const fixture* f, dgb_pass_id pass) {
+    const record_uniforms* u = record_uniforms_of(&f->r, pass, 0);
+    return pass == DGB_PASS_PACK ? &u->u.pack.past : &u->u.temporal.past;
+}
+
+/* Builds and shades; all of the uniforms before are forgotten. */
+static void run_frame(fixture* f) {
+    record_clear(&f->r);
+    f->draw_count = 0;
+    build(f);
+    shade(f);
+}
+
+static bool is_identity(const dgb_reprojection* r) {
+    int row, column;
+    for (row = 0; row < 3; ++row)
+        for (column = 0; column < 4; ++column)
+            if (r->to_last[row][column] != (row == column ? 1.0f : 0.0f)) return false;
+    return true;
+}
+
+/* Whether pack and temporal may look at last frame. */
+static void check_usable(const fixture* f, bool pack, bool temporal, const char* what) {
+    const float a = past_of(f, DGB_PASS_PACK)->tolerance[2], b = past_of(f, DGB_PASS_TEMPORAL)->tolerance[2];
+    if (a != (pack ? 1.0f : 0.0f)) fail_msg("%s: pack may%s look at last frame", what, pack ? " not" : "");
+    if (b != (temporal ? 1.0f : 0.0f)) fail_msg("%s: temporal may%s look at last frame", what, temporal ? " not" : "");
+}
+
+static void start_history(fixture* f) {
+    start(f);
+    f->desc.effects = ALL_EFFECTS;
+}
+
+static void test_history_is_usable(void** state) {
+    fixture f;
+    (void)state;
+    start_history(&f);
+    init(&f);
+    run_frame(&f);
+    check_usable(&f, false, false, "first frame");
+    assert_true(is_identity(past_of(&f, DGB_PASS_PACK)));
+    run_frame(&f);
+    check_usable(&f, true, true, "second frame");
+    f.view.cut = true;
+    run_frame(&f);
+    check_usable(&f, false, false, "cut");
+    f.view.cut = false;
+    run_frame(&f);
+    check_usable(&f, true, true, "after the cut");
+    build(&f);
+    run_frame(&f);
+    check_usable(&f, false, false, "two builds");
+    run_frame(&f);
+    check_usable(&f, true, true, "after two builds");
+    f.params.radius *= 2.0f;
+    run_frame(&f);
+    check_usable(&f, true, false, "another radius"); /* what fell on a surface is still there to bounce */
+    run_frame(&f);
+    check_usable(&f, true, true, "after another radius");
+    f.view.cut = true;
+    build(&f);
+    f.view.cut = false;
+    record_clear(&f.r);
+    shade(&f);
+    check_usable(&f, false, false, "cut, and shaded later");
+    assert_int_equal(dgb_resize(&f.context, 32, 24), DGB_OK);
+    run_frame(&f);
+    check_usable(&f, false, false, "resize");
+    assert_int_equal(dgb_resize(&f.context, 32, 24), DGB_OK);
+    run_frame(&f);
+    check_usable(&f, true, true, "no resize");
+    stop(&f);
+}
+
+/* A refused call is no frame. */
+static void test_refused_calls_leave_history(void** state) {
+    fixture f;
+    uint32_t frame;
+    (void)state;
+    start_history(&f);
+    init(&f);
+    run_frame(&f);
+    frame = f.context.frame;
+    f.params.history_weight = 1.0f;
+    assert_int_equal(dgb_shade(&f.context, &f.params), DGB_INVALID);
+    assert_int_equal(dgb_build(&f.context, &f.view, &f.params, on_draw, &f), DGB_INVALID);
+    f.params.history_weight = 0.85f;
+    assert_int_equal(f.context.frame, frame);
+    run_frame(&f);
+    check_usable(&f, true, true, "after refusals");
+    assert_int_equal(f.context.frame, frame + 1);
+    stop(&f);
+}
+
+/* Tolerances, last frame's camera and rectangle, and whether anything moved. */
+static void test_reprojection_uniforms(void** state) {
+    static const dgb_pass_id passes[] = {DGB_PASS_PACK, DGB_PASS_TEMPORAL};
+    fixture f;
+    dgb_camera camera;
+    int i, again;
+    (void)state;
+    start_history(&f);
+    f.params.history_tolerance = 0.25f, f.params.history_floor = 0.125f;
+    f.params.guard_fraction = 0.5f;
+    init(&f);
+    run_frame(&f);
+    for (again = 0; again < 2; ++again) {
+        camera = f.context.camera;
+        f.params.guard_fraction = again ? 0.5f : 1.0f; /* this frame's; last frame's was the other */
+        f.view.jitter[0] = again ? 0.25f : -0.25f;
+        f.view.projection[0] = again ? 0.75f : 0.8f;
+        run_frame(&f);
+        for (i = 0; i < 2; ++i) {
+            const dgb_reprojection* r = past_of(&f, passes[i]);
+            const int inset = again ? 0 : 4;
+            assert_true(is_identity(r)); /* the view is the same, to the last bit */
+            assert_memory_equal(&r->last, &camera, sizeof camera);
+            assert_memory_not_equal(&r->last, &f.context.camera, sizeof camera);
+            assert_true(r->tolerance[0] == 0.25f && r->tolerance[1] == 0.125f && r->tolerance[3] == 1.0f);
+            assert_true(r->rect[0] == inset && r->rect[1] == inset && r->rect[2] == 79 - inset &&
+                        r->rect[3] == 63 - inset);
+        }
+    }
+    random_state = 5u;
+    random_view(1.0, 10.0, f.view.view);
+    run_frame(&f);
+    assert_false(is_identity(past_of(&f, DGB_PASS_TEMPORAL)));
+    record_clear(&f.r);
+    shade(&f); /* once more: nothing has moved since */
+    for (i = 0; i < 2; ++i) {
+        const dgb_reprojection* r = past_of(&f, passes[i]);
+        assert_true(r->tolerance[2] == 1.0f && r->tolerance[3] == 0.0f && is_identity(r));
+        assert_memory_equal(&r->last, &f.context.camera, sizeof camera);
+    }
+    run_frame(&f);
+    assert_true(past_of(&f, DGB_PASS_TEMPORAL)->tolerance[3] == 1.0f);
+    stop(&f);
+}
+
+/* to_last = last now^-1 in double; each entry is rounded once. A view 1000 m from the origin loses nothing. */
+static void check_to_last(const float now[16], const float last[16], const dgb_reprojection* r) {
+    double a[16], b[16], inverse[16], product[16], size[16];
+    int i, row, column;
+    for (i = 0; i < 16; ++i) a[i] = (double)now[i], b[i] = (double)last[i];
+    invert_in_double(a, inverse);
+    multiply_in_double(b, inverse, product, size);
+    for (row = 0; row < 3; ++row)
+        for (column = 0; column < 4; ++column) {
+            const double expected = product[column * 4 + row], is = (double)r->to_last[row][column];
+            if (!(fabs(is - expected) <= 6e-8 * fabs(expected) + 1e-13 * size[column * 4 + row]))
+                fail_msg("entry %d, %d: %.9g, not %.9g", row, column, is, expected);
+        }
+}
+
+static void test_reprojection_matrix(void** state) {
+    int frame, delayed;
+    (void)state;
+    random_state = 11u;
+    for (delayed = 0; delayed < 2; ++delayed) {
+        fixture f;
+        float views[3][16]; /* submitted: two frames ago, one, now */
+        start_history(&f);
+        f.desc.oracle = delayed ? DGB_ORACLE_DELAY : DGB_ORACLE_REPROJECT;
+        init(&f);
+        memcpy(views[1], f.view.view, sizeof views[1]);
+        for (frame = 0; frame < 200; ++frame) {
+            random_view(frame % 3 ? 1.0 : 1.5, frame % 5 ? 10.0 : 1000.0, f.view.view);
+            memcpy(views[0], views[1], sizeof views[0]);
+            memcpy(views[1], frame ? views[2] : f.view.view, sizeof views[1]);
+            memcpy(views[2], f.view.view, sizeof views[2]);
+            run_frame(&f);
+            if (frame < 2) continue; /* DELAY shows the first frame twice */
+            check_to_last(views[delayed ? 1 : 2], views[delayed ? 0 : 1], past_of(&f, DGB_PASS_PACK));
+            check_to_last(views[delayed ? 1 : 2], views[delayed ? 0 : 1], past_of(&f, DGB_PASS_TEMPORAL));
+        }
+        stop(&f);
+    }
+}
+
+/* A view that flattens the world has no way back: no NaN comes of it. */
+static void test_reprojection_from_a_singular_view(void** state) {
+    fixture f;
+    int frame, row, column;
+    (void)state;
+    start_history(&f);
+    init(&f);
+    for (frame = 0; frame < 4; ++frame) {
+        f.view.view[0] = frame == 1 ? 0.0f : frame == 2 ? 1e-38f : 1.0f;
+        run_frame(&f);
+        for (row = 0; row < 3; ++row)
+            for (column = 0; column < 4; ++column) {
+                const float x = past_of(&f, DGB_PASS_TEMPORAL)->to_last[row][column];
+                if (x != x) fail_msg("frame %d: NaN", frame);
+            }
+    }
+    stop(&f);
+}
+
+static void test_bounce_and_history_uniforms(void** state) {
+    const dgb_pack_uniforms* u;
+    fixture f;
+    (void)state;
+    start_history(&f);
+    f.params.bounce_damping = 0.5f, f.params.boost_unsaturated = 0.25f, f.params.boost_saturated = 2.0f;
+    f.params.history_weight = 0.75f;
+    init(&f);
+    run_frame(&f);
+    u = &record_uniforms_of(&f.r, DGB_PASS_PACK, 0)->u.pack;
+    assert_true(u->bounce[0] == 0.5f && u->bounce[1] == 0.25f && u->bounce[2] == 2.0f);
+    assert_true(record_uniforms_of(&f.r, DGB_PASS_TEMPORAL, 0)->u.temporal.weight[0] == 0.75f);
+    assert_memory_equal(&record_uniforms_of(&f.r, DGB_PASS_TEMPORAL, 0)->u.temporal.camera, &f.context.camera,
+                        sizeof f.context.camera);
+    stop(&f);
+}
+
+/* Every frame turns the taps elsewhere where frames are averaged; else always the same way. */
+static void test_frames_turn_the_taps(void** state) {
+    int kind, frame;
+    (void)state;
+    for (kind = 0; kind < 3; ++kind) {
+        fixture f;
+        start_history(&f);
+        if (kind == 1) f.desc.effects = BOTH | DGB_EFFECT_BOUNCES;
+        if (kind == 2) f.params.history_weight = 0.0f;
+        init(&f);
+        for (frame = 0; frame < 4; ++frame) {
+            run_frame(&f);
+            assert_int_equal(record_uniforms_of(&f.r, DGB_PASS_AO, 0)->u.ao.size[3], kind ? 0 : frame);
+            assert_int_equal(record_uniforms_of(&f.r, DGB_PASS_GATHER, 0)->u.gather.size[3], kind ? 0 : frame);
+        }
+        f.context.frame = 0xfffffeu; /* the number that the shaders get stays exact */
+        run_frame(&f);
+        run_frame(&f);
+        run_frame(&f);
+        assert_int_equal(record_uniforms_of(&f.r, DGB_PASS_AO, 0)->u.ao.size[3], 0);
+        stop(&f);
+    }
+}
+
+/* Z and last z, averages and last averages change places in dgb_shade, and in nothing else. */
+static void test_history_changes_places(void** state) {
+    static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z},
+                                        {DGB_FRAMES, DGB_LAST_FRAMES},
+                                        {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
+                                        {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1}};
+    fixture f;
+    int i, frame;
+    (void)state;
+    start_history(&f);
+    init(&f);
+    for (frame = 0; frame < 3; ++frame) {
+        dgb_texture before[4][2];
+        for (i = 0; i < 8; ++i) before[i / 2][i % 2] = dgb_get_texture(&f.context, turns[i / 2][i % 2]);
+        f.draw_count = 0;
+        build(&f);
+        for (i = 0; i < 8; ++i)
+            assert_int_equal(dgb_get_texture(&f.context, turns[i / 2][i % 2]).id, before[i / 2][i % 2].id);
+        shade(&f);
+        for (i = 0; i < 8; ++i)
+            assert_int_equal(dgb_get_texture(&f.context, turns[i / 2][i % 2]).id, before[i / 2][1 - i % 2].id);
+        record_clear(&f.r);
+    }
+    stop(&f);
+}
+
+/* Another preset every frame: nothing is created or destroyed, and each call begins and ends once. */
+static void test_presets_create_nothing(void** state) {
+    fixture f;
+    int frame, creates, alive, begins;
+    (void)state;
+    start_history(&f);
+    init(&f);
+    creates = f.r.creates, alive = record_alive(&f.r), begins = f.r.begins;
+    for (frame = 0; frame < 12; ++frame) {
+        f.params = dgb_preset((dgb_preset_id)(frame % DGB_PRESET_COUNT));
+        run_frame(&f);
+        check_usable(&f, frame > 0, frame > 0, "preset");
+    }
+    assert_int_equal(f.r.creates, creates);
+    assert_int_equal(record_alive(&f.r), alive);
+    assert_int_equal(f.r.begins, begins + 24);
+    stop(&f);
+}
+
 /* >> failures */
 
 static void check_nothing_changed(fixture* f, const dgb_context* before) {
@@ -1626,6 +1960,12 @@ static void set_ao_min_level(dgb_params* p, float x) { p->ao_min_level = (int)x;
 static void set_radius(dgb_params* p, float x) { p->radius = x; }
 static void set_samples(dgb_params* p, float x) { p->samples = (int)x; }
 static void set_min_level(dgb_params* p, float x) { p->min_level = (int)x; }
+static void set_bounce_damping(dgb_params* p, float x) { p->bounce_damping = x; }
+static void set_boost_unsaturated(dgb_params* p, float x) { p->boost_unsaturated = x; }
+static void set_boost_saturated(dgb_params* p, float x) { p->boost_saturated = x; }
+static void set_history_weight(dgb_params* p, float x) { p->history_weight = x; }
+static void set_history_tolerance(dgb_params* p, float x) { p->history_tolerance = x; }
+static void set_history_floor(dgb_params* p, float x) { p->history_floor = x; }
 static void set_filter_taps(dgb_params* p, float x) { p->filter_taps = (int)x; }
 static void set_filter_step(dgb_params* p, float x) { p->filter_step = (int)x; }
 static void set_normal_sharpness(dgb_params* p, float x) { p->normal_sharpness = x; }
@@ -1654,6 +1994,32 @@ static const struct {
     {"radius", set_radius, DGB_LOG_GATHER_PARAMS, true, {1e-6f, 7.4f, 1e6f, 1}, {0, -1, -1e-6f, -1e30f}},
     {"samples", set_samples, DGB_LOG_GATHER_PARAMS, false, {1, 256, 14, 30}, {0, 257, -1, 1e6f}},
     {"min_level", set_min_level, DGB_LOG_MIP_PARAMS, false, {0, 5, 1, 2}, {-1, 6, 100, -100}},
+    {"bounce_damping",
+     set_bounce_damping,
+     DGB_LOG_BOUNCE_PARAMS,
+     true,
+     {0, 0.5f, 1, 1e-6f},
+     {-0.001f, 1.001f, 1e30f, -1}},
+    {"boost_unsaturated",
+     set_boost_unsaturated,
+     DGB_LOG_BOUNCE_PARAMS,
+     true,
+     {0, 1, 3, 100},
+     {-0.001f, -1, -1e30f, -1}},
+    {"boost_saturated", set_boost_saturated, DGB_LOG_BOUNCE_PARAMS, true, {0, 1, 3, 100}, {-0.001f, -1, -1e30f, -1}},
+    {"history_weight",
+     set_history_weight,
+     DGB_LOG_HISTORY_PARAMS,
+     true,
+     {0, 0.85f, 0.999f, 0.5f},
+     {-0.001f, 0.9991f, 1, 1e30f}},
+    {"history_tolerance",
+     set_history_tolerance,
+     DGB_LOG_HISTORY_PARAMS,
+     true,
+     {0, 0.005f, 1, 100},
+     {-0.001f, -1, -1e30f, -1}},
+    {"history_floor", set_history_floor, DGB_LOG_HISTORY_PARAMS, true, {0, 0.01f, 1, 1e6f}, {-0.001f, -1, -1e30f, -1}},
     {"filter_taps", set_filter_taps, DGB_LOG_FILTER_PARAMS, false, {1, 25, 9, 11}, {0, 2, 27, -1}},
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
     {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},
@@ -1701,7 +2067,7 @@ static void test_params_are_checked(void** state) {
     int id;
     (void)state;
     start(&f);
-    f.desc.effects = BOTH;
+    f.desc.effects = ALL_EFFECTS;
     init(&f);
     build(&f);
     for (i = 0; i < sizeof fields / sizeof fields[0]; ++i) check_field(&f, i);
@@ -1852,32 +2218,41 @@ static void check_input(fixture* f, const dgb_layers* layers, bool good, const c
     check_nothing_changed(f, &before);
 }
 
-/* Of depth, normal and radiance of both layers (bits 0 to 5), one at a time is missing. */
+/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9), one at a time is missing. */
 static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
     dgb_layers all;
     fixture f;
     unsigned missing;
     start_engine(&f, layers, effects, normals);
     all = engine_layers(&f);
-    for (missing = 0; missing < 6; ++missing) {
+    for (missing = 0; missing < 10; ++missing) {
         dgb_layers given = all;
-        dgb_texture* texture[6];
-        texture[0] = &given.depth[0], texture[1] = &given.normal[0], texture[2] = &given.radiance[0];
-        texture[3] = &given.depth[1], texture[4] = &given.normal[1], texture[5] = &given.radiance[1];
-        texture[missing]->id = 0;
-        check_input(&f, &given, !(needed >> missing & 1u), dgb_slot_name((dgb_slot)(DGB_ENGINE_DEPTH0 + (int)missing)));
+        dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
+        char what[64];
+        kinds[missing % 5][missing / 5].id = 0;
+        snprintf(what, sizeof what, "effects %s, %d layers, without input %u", effect_names[effects], layers, missing);
+        check_input(&f, &given, !(needed >> missing & 1u), what);
     }
     stop(&f);
 }
 
 static void test_inputs_that_are_needed(void** state) {
+    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32 };
+    const uint32_t ao = DGB_EFFECT_AO, light = DGB_EFFECT_RADIOSITY, bounces = DGB_EFFECT_BOUNCES,
+                   temporal = DGB_EFFECT_TEMPORAL;
     (void)state;
     check_inputs(1, 0, DGB_NORMALS_FROM_DEPTH, 0);
-    check_inputs(1, DGB_EFFECT_AO, DGB_NORMALS_FROM_DEPTH, 1);
-    check_inputs(1, DGB_EFFECT_AO, DGB_NORMALS_FLOAT, 1 | 2);
-    check_inputs(1, DGB_EFFECT_RADIOSITY, DGB_NORMALS_FROM_DEPTH, 1 | 4);
-    check_inputs(2, DGB_EFFECT_AO, DGB_NORMALS_OCT16, 1 | 2 | 8 | 16);
-    check_inputs(2, BOTH, DGB_NORMALS_UNORM, 63);
+    check_inputs(1, ao, DGB_NORMALS_FROM_DEPTH, Z);
+    check_inputs(1, ao, DGB_NORMALS_FLOAT, Z | N);
+    check_inputs(1, light, DGB_NORMALS_FROM_DEPTH, Z | B);
+    check_inputs(2, ao, DGB_NORMALS_OCT16, (Z | N) * (1 + SECOND));
+    check_inputs(2, BOTH, DGB_NORMALS_UNORM, (Z | N | B) * (1 + SECOND));
+    check_inputs(1, light | bounces, DGB_NORMALS_FROM_DEPTH, Z | B | ALBEDO | VELOCITY);
+    check_inputs(2, light | bounces, DGB_NORMALS_FROM_DEPTH, (Z | B | ALBEDO | VELOCITY) * (1 + SECOND));
+    check_inputs(1, ao | temporal, DGB_NORMALS_FROM_DEPTH, Z | VELOCITY);
+    check_inputs(2, ao | temporal, DGB_NORMALS_FROM_DEPTH, Z * (1 + SECOND) | VELOCITY); /* the first layer's alone */
+    check_inputs(2, BOTH | temporal, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND) | VELOCITY);
+    check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 1023);
 }
 
 static void check_engine_textures_live(const fixture* f, const dgb_layers* layers) {
@@ -1995,6 +2370,15 @@ int main(void) {
         cmocka_unit_test(test_normal_test_picks_the_program),
         cmocka_unit_test(test_clip_and_direction_reach_the_backend),
         cmocka_unit_test(test_rotations_are_uploaded),
+        cmocka_unit_test(test_history_is_usable),
+        cmocka_unit_test(test_refused_calls_leave_history),
+        cmocka_unit_test(test_reprojection_uniforms),
+        cmocka_unit_test(test_reprojection_matrix),
+        cmocka_unit_test(test_reprojection_from_a_singular_view),
+        cmocka_unit_test(test_bounce_and_history_uniforms),
+        cmocka_unit_test(test_frames_turn_the_taps),
+        cmocka_unit_test(test_history_changes_places),
+        cmocka_unit_test(test_presets_create_nothing),
         cmocka_unit_test(test_failed_init_leaves_nothing),
         cmocka_unit_test(test_failed_resize_keeps_the_old),
         cmocka_unit_test(test_refused_resize_keeps_the_old),
