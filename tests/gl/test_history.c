@@ -523,6 +523,42 @@ static void test_reference_engine(void** state) {
     compare_film("the engine's own, one layer", &h, 3);
 }
 
+/* Damping, boosts, weight and tolerances away from their defaults. */
+static void test_reference_params(void** state) {
+    how h = default_how();
+    (void)state;
+    h.params.bounce_damping = 0.7f;
+    h.params.boost_unsaturated = 0.3f, h.params.boost_saturated = 1.7f;
+    h.params.history_weight = 0.6f;
+    h.params.history_tolerance = 0.02f, h.params.history_floor = 0.0f;
+    compare_film("share alone", &h, 4);
+    h.params.history_tolerance = 0.0f, h.params.history_floor = 0.15f;
+    compare_film("floor alone", &h, 3);
+}
+
+/* Tiles in which the second layer is skipped change no bit of what goes on to the next frame. */
+static void test_adaptive_changes_nothing(void** state) {
+    how h = default_how();
+    film with, without;
+    int n;
+    (void)state;
+    with = open_film(&h);
+    h.params.adaptive = !h.params.adaptive;
+    without = open_film(&h);
+    for (n = 0; n < 4; ++n) {
+        frame a = next_frame(&with), b = next_frame(&without);
+        const size_t image = (size_t)(a.r.width * a.r.height) * sizeof(float);
+        int l;
+        assert_memory_equal(a.frames, b.frames, 4 * image);
+        for (l = 0; l < 2; ++l) {
+            assert_memory_equal(a.sent[l], b.sent[l], 3 * image);
+            assert_memory_equal(a.light[l], b.light[l], 4 * image);
+        }
+        free_frame(&a), free_frame(&b);
+    }
+    close_film(&with), close_film(&without);
+}
+
 static void test_reference_effects(void** state) {
     static const uint32_t effects[] = {1 | 8, 2 | 8, 3 | 8, 2 | 4, 3 | 4, 2 | 4 | 8};
     size_t i;
@@ -640,6 +676,43 @@ static void test_two_builds_without_a_shade(void** state) {
     }
 }
 
+/* What stands still moves as the camera does, jitter included: its velocity brings it to where the matrices say it was, but
+   for the rounding of a half (2^-11 of the pixels it moved, in two directions) and of the rasteriser's interpolation. So no
+   tolerance is widened but the moving box's. */
+static void test_velocities_agree_with_matrices(void** state) {
+    how h = default_how();
+    int kind;
+    (void)state;
+    for (kind = 0; kind < 3; ++kind) {
+        static const float nothing[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+        film m;
+        frame last, now;
+        reference_last l;
+        double worst = 0.0, box = 0.0;
+        int i, layer;
+        if (kind == 1) h.view.fov = 0.0f;
+        if (kind == 2) h.divisor = 2, h.view.fov = 60.0f;
+        m = open_film(&h);
+        last = next_frame(&m), now = next_frame(&m);
+        l = last_of(&now, &last, true);
+        for (layer = 0; layer < 2; ++layer)
+            for (i = 0; i < now.r.width * now.r.height; ++i) {
+                const reference_mean mean =
+                    reference_average(&now.r, &l, &h.params, layer, nothing, 1.0f, i % now.r.width, i / now.r.width);
+                const float* v = now.velocity[layer] + 3 * i;
+                const double rounding = (fabs((double)v[0]) + fabs((double)v[1])) / 1024.0;
+                if (is_box(now.albedo[layer] + 3 * i))
+                    box = fmax(box, mean.own);
+                else
+                    worst = fmax(worst, mean.own - rounding);
+            }
+        printf("# own motion %g pixels at most, of the box %g\n", worst, box);
+        assert_true(worst < 0.005 && box > 0.5);
+        free_frame(&last), free_frame(&now);
+        close_film(&m);
+    }
+}
+
 /* The same layers once more: another frame, in which nothing moved, whatever the velocities say. */
 static void test_shading_twice(void** state) {
     how h = default_how();
@@ -649,7 +722,8 @@ static void test_shading_twice(void** state) {
         film m;
         frame first, second;
         int x, y, layer;
-        h.engine = engine != 0;
+        h.engine = h.approach = engine != 0;
+        h.view.yaw = 0.8f; /* the box comes nearer by more than history tolerates */
         m = open_film(&h);
         run_frame(&m, false);
         run_frame(&m, false);
@@ -1133,8 +1207,11 @@ int main(void) {
         cmocka_unit_test(test_reference_cameras),
         cmocka_unit_test(test_reference_engine),
         cmocka_unit_test(test_reference_effects),
+        cmocka_unit_test(test_reference_params),
+        cmocka_unit_test(test_adaptive_changes_nothing),
         cmocka_unit_test(test_first_frame_cut_resize),
         cmocka_unit_test(test_two_builds_without_a_shade),
+        cmocka_unit_test(test_velocities_agree_with_matrices),
         cmocka_unit_test(test_shading_twice),
         cmocka_unit_test(test_parameters_that_reset),
         cmocka_unit_test(test_more_of_the_guard_band),

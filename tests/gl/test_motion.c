@@ -246,6 +246,34 @@ static void test_border(void** state) {
     check_pan(6, 0.0f, 0.0f, -7.9f);
 }
 
+/* What was behind the eye last frame has no place there, though its velocity says it was in the image. */
+static void test_behind_the_last_eye(void** state) {
+    static const float light[3] = {1.0f, 1.0f, 1.0f}, white[3] = {1.0f, 1.0f, 1.0f};
+    stage s = open_stage(WIDTH, HEIGHT, 0, 1, ALL);
+    float *frames, *b, *lit;
+    int frame, i;
+    (void)state;
+    for (frame = 0; frame < 2; ++frame) {
+        put_wall(&s, 0.0f, 0.0f);
+        images_fill(&s.m, IMAGE_RADIANCE, light), images_fill(&s.m, IMAGE_ALBEDO, white);
+        if (frame) s.view.view[14] -= 10.0f; /* ten metres back */
+        shade(&s);
+        if (frame) continue;
+        lit = read_image(&s, DGB_IRRADIANCE);
+        for (i = 0; i < 4 * WIDTH * HEIGHT; ++i) lit[i] = 1.0f; /* light that would be sent on */
+        write_image(&s, DGB_IRRADIANCE, lit);
+        free(lit);
+    }
+    frames = read_image(&s, DGB_FRAMES);
+    b = fixture_read(dgb_get_texture(&s.c, DGB_B0), 0, 0, WIDTH, HEIGHT, 0, GL_RGB, 3);
+    for (i = 0; i < WIDTH * HEIGHT; ++i) {
+        assert_true(frames[4 * i + 1] == 1.0f && frames[4 * i + 2] == 1.0f);
+        assert_true(b[3 * i] == 1.0f);
+    }
+    free(frames), free(b);
+    close_stage(&s);
+}
+
 /* >> what an engine may hand over */
 
 /* NaN, infinite or absurd velocities: no history there, and nothing else changes. Albedo and radiance that are no numbers
@@ -312,9 +340,13 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_uncovered), cmocka_unit_test(test_second_layer_hands_on),
-        cmocka_unit_test(test_no_ghost),  cmocka_unit_test(test_border),
-        cmocka_unit_test(test_odd_input), cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_uncovered),
+        cmocka_unit_test(test_second_layer_hands_on),
+        cmocka_unit_test(test_no_ghost),
+        cmocka_unit_test(test_border),
+        cmocka_unit_test(test_behind_the_last_eye),
+        cmocka_unit_test(test_odd_input),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

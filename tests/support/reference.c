@@ -416,6 +416,7 @@ typedef struct past { /* where a point was last frame */
     float pixel[2];   /* by float arithmetic: which texels are asked must not hang on rounding */
     double point[3], normal[3], point_error;
     double tolerance, tolerance_error; /* less than 0: nobody knows */
+    double own;                        /* pixels that the object moved across by itself */
 } past;
 
 /* Pixels of `size` per unit, for one axis: ndc w = p_x x + p_z z + p_1. */
@@ -446,7 +447,7 @@ static void past_point(const reference* r, const reference_last* last, int layer
 }
 
 /* How far across an object moved by itself, m; it may have come as much nearer. */
-static double own_motion(const reference* r, const reference_last* last, const past* p, double* error) {
+static double own_motion(const reference* r, const reference_last* last, past* p, double* error) {
     const double* m = last->projection;
     const int size[2] = {r->width, r->height};
     const double w = m[11] * p->point[2] + m[15], pixels_per_metre = 0.5 * fabs(m[5]) * r->height / w;
@@ -455,7 +456,8 @@ static double own_motion(const reference* r, const reference_last* last, const p
     for (axis = 0; axis < 2; ++axis) own[axis] = (double)p->pixel[axis] - project_axis(m, axis, size[axis], p->point);
     *error = 4.0 * p->point_error +
              16.0 * REFERENCE_EPSILON * ((double)(r->width + r->height) / pixels_per_metre + fabs(p->point[2]));
-    return sqrt(own[0] * own[0] + own[1] * own[1]) / pixels_per_metre;
+    p->own = sqrt(own[0] * own[0] + own[1] * own[1]);
+    return p->own / pixels_per_metre;
 }
 
 static past past_of(const reference* r, const reference_last* last, const dgb_params* q, int layer, const place* here) {
@@ -682,6 +684,7 @@ reference_mean reference_average(const reference* r, const reference_last* last,
         return m;
     }
     p = past_of(r, last, q, layer, &here);
+    m.own = p.own;
     for (i = 0; i < 4 && p.tolerance >= 0.0; ++i) {
         const int corner[2] = {i & 1, i >> 1};
         int texel[2], shown;

@@ -79,6 +79,7 @@ typedef struct reference_mean {
     double value[4], error[4];   /* irradiance and confidence */
     double frames, frames_error; /* that are in it */
     double visibility, visibility_error, visibility_frames, visibility_frames_error;
+    double own;       /* pixels that the object itself moved across, by its velocity */
     int texels;       /* of last frame that show the surface */
     bool from_second; /* one of them does in the second layer */
     bool unsure;      /* rounding decides whether last frame shows the surface */
