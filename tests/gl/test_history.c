@@ -32,8 +32,9 @@ typedef struct how {
     dgb_format depth_format;
     fixture_view view; /* of frame 0 */
     float step[3], turn, zoom,
-        shake;  /* of the camera a frame: m, radians, degrees of the field of view, pixels of jitter */
-    float walk; /* of the box a frame, m */
+        shake;   /* of the camera a frame: m, radians, degrees of the field of view, pixels of jitter */
+    float walk;  /* of the box a frame, m */
+    float scale; /* of the whole world; 0: 1, and the scene's own radiance */
     dgb_params params;
 } how;
 
@@ -108,15 +109,23 @@ static dgb_desc desc_of(const how* h) {
 static float turn_of(int n, int axis) { return sinf((float)(n * (axis ? 3 : 2) + axis)); } /* no two frames alike */
 
 static dgb_view view_at(const how* h, int n) {
+    const float scale = h->scale > 0.0f ? h->scale : 1.0f;
     fixture_view v = h->view;
+    dgb_view view;
     int i;
     for (i = 0; i < 3; ++i) v.eye[i] += h->step[i] * (float)n;
     v.yaw += h->turn * (float)n;
     v.fov += h->zoom * (float)n;
     for (i = 0; i < 2; ++i) v.jitter[i] += h->shake * turn_of(n, i);
     for (i = 0; i < 4; ++i) f.offsets[i] = h->walk * (float)(n + i - 2);
-    return fixture_dgb_view(&v, h->width, h->height);
+    v.near_plane *= scale, v.far_plane *= scale;
+    view = fixture_dgb_view(&v, h->width, h->height);
+    for (i = 0; i < 15; ++i) view.view[i] *= scale;
+    return view;
 }
+
+/* Which frame is seen in frame n: with DELAY the one before, after the first. */
+static int seen_at(const how* h, int n) { return h->oracle == DGB_ORACLE_DELAY && n > 0 ? n - 1 : n; }
 
 static film open_film(const how* h) {
     dgb_desc d = desc_of(h), e;
@@ -290,6 +299,7 @@ static void give_layers(film* m, const dgb_view* view) {
 }
 
 static void build_frame(film* m, bool cut) {
+    static const float light[3] = {1.0f, 0.25f, 6.0f};
     dgb_view view = view_at(&m->h, m->shot);
     fixture_draw_user user;
     memset(&user, 0, sizeof user);
@@ -299,12 +309,14 @@ static void build_frame(film* m, bool cut) {
     view.cut = cut;
     assert_int_equal(dgb_build(m->h.engine ? &m->engine : &m->c, &view, &m->h.params, fixture_draw, &user), DGB_OK);
     if (m->h.engine) give_layers(m, &view);
+    if (m->h.scale > 0.0f) /* the scene's own material knows lengths */
+        glClearTexImage(dgbgl_texture_name(dgb_get_texture(&m->c, DGB_RADIANCE)), 0, GL_RGB, GL_FLOAT, light);
 }
 
 static void shade_frame(film* m) { assert_int_equal(dgb_shade(&m->c, &m->h.params), DGB_OK); }
 
 static frame frame_of(film* m) {
-    const dgb_view view = view_at(&m->h, m->shot);
+    const dgb_view view = view_at(&m->h, seen_at(&m->h, m->shot));
     frame out;
     memset(&out, 0, sizeof out);
     out.params = m->h.params;
@@ -559,6 +571,49 @@ static void test_adaptive_changes_nothing(void** state) {
     close_film(&with), close_film(&without);
 }
 
+/* PREDICT shows the pose that is submitted, DELAY the one before it. */
+static void test_reference_oracles(void** state) {
+    how h = default_how();
+    (void)state;
+    h.oracle = DGB_ORACLE_PREDICT;
+    compare_film("predict", &h, 3);
+    h.oracle = DGB_ORACLE_DELAY;
+    compare_film("delay", &h, 4);
+    h.oracle = DGB_ORACLE_PREVIOUS;
+    h.depth_format = DGB_FORMAT_D24;
+    compare_film("previous, D24", &h, 3);
+}
+
+/* No absolute length hides anywhere: the world and every length of the parameters times a power of two change no bit. */
+static void test_scale(void** state) {
+    static const float scales[] = {1.0f, 1024.0f, 1.0f / 64.0f};
+    frame frames[3];
+    size_t image;
+    int i, n, l;
+    (void)state;
+    for (i = 0; i < 3; ++i) {
+        how h = default_how();
+        film m;
+        h.scale = scales[i];
+        h.params.separation *= h.scale, h.params.ao_radius *= h.scale, h.params.radius *= h.scale;
+        h.params.history_floor *= h.scale;
+        m = open_film(&h);
+        for (n = 0; n < 3; ++n) run_frame(&m, false);
+        frames[i] = next_frame(&m);
+        close_film(&m);
+    }
+    image = (size_t)(frames[0].r.width * frames[0].r.height) * sizeof(float);
+    for (i = 1; i < 3; ++i) {
+        assert_memory_equal(frames[0].frames, frames[i].frames, 4 * image);
+        for (l = 0; l < 2; ++l) {
+            assert_memory_equal(frames[0].sent[l], frames[i].sent[l], 3 * image);
+            assert_memory_equal(frames[0].mean[l], frames[i].mean[l], 4 * image);
+            assert_memory_equal(frames[0].light[l], frames[i].light[l], 4 * image);
+        }
+    }
+    for (i = 0; i < 3; ++i) free_frame(&frames[i]);
+}
+
 static void test_reference_effects(void** state) {
     static const uint32_t effects[] = {1 | 8, 2 | 8, 3 | 8, 2 | 4, 3 | 4, 2 | 4 | 8};
     size_t i;
@@ -721,9 +776,9 @@ static void test_shading_twice(void** state) {
     for (engine = 0; engine < 2; ++engine) {
         film m;
         frame first, second;
-        int x, y, layer;
+        int x, y, layer, box = 0;
         h.engine = h.approach = engine != 0;
-        h.view.yaw = 0.8f; /* the box comes nearer by more than history tolerates */
+        h.view.yaw = 0.5f, h.walk = 0.2f; /* the box comes nearer by more than history tolerates */
         m = open_film(&h);
         run_frame(&m, false);
         run_frame(&m, false);
@@ -737,9 +792,11 @@ static void test_shading_twice(void** state) {
                 for (x = first.rect[0]; x <= first.rect[2]; ++x) {
                     const int at = y * first.r.width + x;
                     if (first.z[2 * at + layer] == 0.0f) continue;
+                    box += is_box(first.albedo[layer] + 3 * at);
                     assert_true(fabs((double)second.frames[4 * at + 2 + layer] -
                                      (double)first.frames[4 * at + 2 + layer] - 1.0) <= 1.0 / 256.0);
                 }
+        assert_true(box > 20);
         free_frame(&first), free_frame(&second);
         close_film(&m);
     }
@@ -1208,6 +1265,8 @@ int main(void) {
         cmocka_unit_test(test_reference_engine),
         cmocka_unit_test(test_reference_effects),
         cmocka_unit_test(test_reference_params),
+        cmocka_unit_test(test_reference_oracles),
+        cmocka_unit_test(test_scale),
         cmocka_unit_test(test_adaptive_changes_nothing),
         cmocka_unit_test(test_first_frame_cut_resize),
         cmocka_unit_test(test_two_builds_without_a_shade),

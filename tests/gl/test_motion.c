@@ -321,6 +321,59 @@ static void test_odd_input(void** state) {
     check_odd_input(IMAGE_RADIANCE, -INFINITY);
 }
 
+static uint32_t random_state = 1u;
+
+static uint32_t random_bits(void) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return random_state ^ random_state >> 15;
+}
+
+/* Any bit pattern, with those that matter more often than chance has them. */
+static float random_pattern(void) {
+    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
+                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
+    uint32_t bits = random_bits() ^ random_bits() << 16;
+    float x;
+    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static void check_in_range(const stage* s, dgb_slot slot, float high, float high_alpha) {
+    float* image = read_image(s, slot);
+    int i;
+    for (i = 0; i < 4 * s->m.width * s->m.height; ++i)
+        assert_true(image[i] >= 0.0f && image[i] <= (i % 4 == 3 ? high_alpha : high)); /* and no NaN */
+    free(image);
+}
+
+/* Whatever an engine's textures hold, frame after frame: no NaN, nothing infinite, nothing out of range. Depth alone is
+   reasonable in every other frame, or there would hardly be a surface. */
+static void test_any_input(void** state) {
+    int layers, frame, kind, l, i;
+    (void)state;
+    for (layers = 1; layers <= 2; ++layers) {
+        stage s = open_stage(WIDTH, HEIGHT, 0, layers, ALL);
+        for (frame = 0; frame < 8; ++frame) {
+            put_blocker(&s, 16, 0.0f);
+            for (kind = frame % 2 ? IMAGE_DEPTH : IMAGE_NORMAL; kind < IMAGE_KINDS; ++kind)
+                for (l = 0; l < 2; ++l)
+                    for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * WIDTH * HEIGHT; ++i)
+                        if (random_bits() & 0x10000u) s.m.texels[kind][l][i] = random_pattern();
+            s.params = dgb_preset((dgb_preset_id)(frame % DGB_PRESET_COUNT));
+            shade(&s);
+            check_in_range(&s, DGB_IRRADIANCE_MEAN, DGB_MAX_RADIANCE, 1.0f);
+            check_in_range(&s, DGB_IRRADIANCE, DGB_MAX_RADIANCE, 1.0f);
+            check_in_range(&s, DGB_FRAMES, 64.0f, 64.0f);
+            check_in_range(&s, DGB_AO, 1.0f, 1.0f);
+            if (layers == 1) continue;
+            check_in_range(&s, DGB_IRRADIANCE1_MEAN, DGB_MAX_RADIANCE, 1.0f);
+            check_in_range(&s, DGB_IRRADIANCE1, DGB_MAX_RADIANCE, 1.0f);
+        }
+        close_stage(&s);
+    }
+}
+
 static void test_no_messages(void** state) {
     (void)state;
     assert_int_equal(f.messages, 0);
@@ -346,6 +399,7 @@ int main(void) {
         cmocka_unit_test(test_border),
         cmocka_unit_test(test_behind_the_last_eye),
         cmocka_unit_test(test_odd_input),
+        cmocka_unit_test(test_any_input),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
