@@ -632,8 +632,6 @@ static bool is_inside(const int rect[4], int x, int y) {
     return x >= rect[0] && y >= rect[1] && x <= rect[2] && y <= rect[3];
 }
 
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
 /* Every shaded surface of both layers is an average of so many frames. */
 static void check_counts(const frame* s, float count, const char* what) {
     int x, y, l, wrong = 0;
