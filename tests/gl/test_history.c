@@ -1186,13 +1186,15 @@ static void test_every_combination_runs(void** state) {
             }
 }
 
-/* Mean of the first three channels over the image, without the guard band. */
+/* Mean of irradiance times confidence, which is what an engine adds to its picture, over the image without its guard band. */
 static double mean_of(const frame* s, const float* image) {
     double sum = 0.0;
     int x, y, k, count = 0;
     for (y = GUARD; y < s->r.height - GUARD; ++y)
-        for (x = GUARD; x < s->r.width - GUARD; ++x, ++count)
-            for (k = 0; k < 3; ++k) sum += (double)image[4 * (y * s->r.width + x) + k];
+        for (x = GUARD; x < s->r.width - GUARD; ++x, ++count) {
+            const float* texel = image + 4 * (y * s->r.width + x);
+            for (k = 0; k < 3; ++k) sum += (double)texel[k] * (double)texel[3];
+        }
     return sum / (3.0 * count);
 }
 

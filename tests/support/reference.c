@@ -618,8 +618,10 @@ static void add_texel(const reference* r, const reference_last* last, const int 
     h->frames += weight * count;
     h->frames_spread += count;
     for (i = 0; i < 4 && last->light[0]; ++i) {
-        h->light[i] += weight * last_light(last, shown, r, texel, i);
-        h->spread[i] += last_light(last, shown, r, texel, i);
+        /* irradiance counts as much as its confidence, the fourth channel */
+        const double counts = i < 3 ? last_light(last, shown, r, texel, 3) : 1.0;
+        h->light[i] += weight * counts * last_light(last, shown, r, texel, i);
+        h->spread[i] += counts * last_light(last, shown, r, texel, i);
     }
     if (shown == 1) return; /* there is no visibility of the second layer */
     h->visibility_share += weight;
@@ -644,6 +646,18 @@ static void mix(const dgb_params* q, double raw, double old, double old_error, d
              (weight > 0.0 ? 4.0 * REFERENCE_EPSILON * (fabs(old) + fabs(raw)) : 0.0);
 }
 
+/* From irradiance times confidence to irradiance; none where there is no confidence. */
+static void unweigh(reference_mean* m) {
+    const double least = m->value[3] - m->error[3];
+    int i;
+    m->unsure = m->unsure || (m->value[3] > 0.0 && !(least > 0.0));
+    for (i = 0; i < 3; ++i) {
+        m->value[i] = m->value[3] > 0.0 ? m->value[i] / m->value[3] : 0.0;
+        m->error[i] = least > 0.0 ? (m->error[i] + m->value[i] * m->error[3]) / least : 0.0;
+        m->error[i] += 8.0 * REFERENCE_EPSILON * m->value[i];
+    }
+}
+
 static double one_more(double frames) { return frames + 1.0 < 64.0 ? frames + 1.0 : 64.0; }
 
 static void finish_mean(const history* h, const dgb_params* q, const float light[4], float visibility,
@@ -657,9 +671,10 @@ static void finish_mean(const history* h, const dgb_params* q, const float light
         seen ? 2.0 * weight_error * (h->visibility_frames_spread / open_share + open_frames) : 0.0;
     for (i = 0; i < 4; ++i) {
         const double old = known ? h->light[i] / share : 0.0;
-        mix(q, (double)light[i], old, 2.0 * weight_error * (h->spread[i] / share + old), frames, m->frames_error,
-            &m->value[i], &m->error[i]);
+        mix(q, (double)light[i] * (i < 3 ? (double)light[3] : 1.0), old,
+            2.0 * weight_error * (h->spread[i] / share + old), frames, m->frames_error, &m->value[i], &m->error[i]);
     }
+    unweigh(m);
     mix(q, (double)visibility, seen ? h->visibility / open_share : 0.0,
         2.0 * weight_error * (h->visibility_spread + h->visibility) / open_share, open_frames,
         m->visibility_frames_error, &m->visibility, &m->visibility_error);
