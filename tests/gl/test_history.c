@@ -807,6 +807,7 @@ static void change_ao_epsilon(dgb_params* q) { q->ao_epsilon += 0.001f; }
 static void change_ao_intensity(dgb_params* q) { q->ao_intensity += 0.1f; }
 static void change_separation(dgb_params* q) { q->separation += 0.01f; }
 static void change_strictness(dgb_params* q) { q->strict_separation = !q->strict_separation; }
+static void change_second_alone(dgb_params* q) { q->second_alone = !q->second_alone; }
 static void change_samples(dgb_params* q) { q->samples += 3; }
 static void change_ao_samples(dgb_params* q) { q->ao_samples += 5; }
 static void change_filter_taps(dgb_params* q) { q->filter_taps += 2; }
@@ -842,6 +843,7 @@ static void test_parameters_that_reset(void** state) {
                 {"min_level", change_min_level, false},
                 {"strict_separation", change_strictness, true},
                 {"ao_min_level", change_ao_min_level, false},
+                {"second_alone", change_second_alone, true},
                 {"normal_sharpness", change_normal_sharpness, false},
                 {"plane_sharpness", change_plane_sharpness, false},
                 {"history_weight", change_history_weight, false},
