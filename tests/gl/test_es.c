@@ -33,7 +33,7 @@ static void read_texture(const dgb_context* c, dgb_slot slot, GLenum format, GLe
     glDeleteFramebuffers(1, &framebuffer);
 }
 
-static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers) {
+static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers, uint32_t effects) {
     fixture f;
     dgb_desc d;
     dgb_context c;
@@ -47,7 +47,7 @@ static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers) {
     memset(&d, 0, sizeof d);
     memset(&user, 0, sizeof user);
     d.width = WIDTH, d.height = HEIGHT, d.guard_band = GUARD, d.layers = layers;
-    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.effects = effects;
     d.oracle = oracle;
     d.emission = DGB_EMISSION_SEPARATE;
     d.reversed = v.reversed = reversed;
@@ -76,7 +76,7 @@ static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers) {
     read_texture(&c, DGB_Z, GL_RGBA, GL_FLOAT, s.z);
     read_texture(&c, DGB_IRRADIANCE, GL_RGBA, GL_FLOAT, s.irradiance);
     read_texture(&c, DGB_NORMALS, GL_RGBA, GL_UNSIGNED_BYTE, s.normals);
-    read_texture(&c, DGB_AO, GL_RGBA, GL_UNSIGNED_BYTE, s.ao);
+    if (effects & DGB_EFFECT_AO) read_texture(&c, DGB_AO, GL_RGBA, GL_UNSIGNED_BYTE, s.ao);
     assert_int_equal(f.messages, 0);
     assert_int_equal(glGetError(), GL_NO_ERROR);
     glDeleteProgram(user.program);
@@ -92,8 +92,9 @@ static void free_shot(shot* s) {
     free(s->ao);
 }
 
-static void check_dialects_agree(dgb_oracle oracle, bool reversed, int layers) {
-    shot desktop = take_shot(false, oracle, reversed, layers), es = take_shot(true, oracle, reversed, layers);
+static void check_effects_agree(dgb_oracle oracle, bool reversed, int layers, uint32_t effects) {
+    shot desktop = take_shot(false, oracle, reversed, layers, effects),
+         es = take_shot(true, oracle, reversed, layers, effects);
     const size_t pixels = (size_t)es.width * (size_t)es.height;
     size_t i, deep = 0;
     for (i = 0; i < pixels; ++i) deep += es.z[4 * i + 1] < 0.0f && es.z[4 * i + 1] > DGB_EMPTY_Z;
@@ -104,6 +105,20 @@ static void check_dialects_agree(dgb_oracle oracle, bool reversed, int layers) {
     assert_memory_equal(desktop.irradiance, es.irradiance, pixels * 4 * sizeof(float));
     free_shot(&desktop);
     free_shot(&es);
+}
+
+static void check_dialects_agree(dgb_oracle oracle, bool reversed, int layers) {
+    check_effects_agree(oracle, reversed, layers, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY);
+}
+
+/* What a frame takes from the one before. */
+static void test_history(void** state) {
+    const uint32_t light = DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES, all = DGB_EFFECT_AO | light | DGB_EFFECT_TEMPORAL;
+    (void)state;
+    check_effects_agree(DGB_ORACLE_REPROJECT, false, 2, all);
+    check_effects_agree(DGB_ORACLE_PEEL, false, 1, all);
+    check_effects_agree(DGB_ORACLE_PEEL, true, 2, light | DGB_EFFECT_AO);
+    check_effects_agree(DGB_ORACLE_PEEL, false, 2, light | DGB_EFFECT_TEMPORAL);
 }
 
 static void test_peel(void** state) {
@@ -150,6 +165,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_peel),
         cmocka_unit_test(test_other_oracles),
+        cmocka_unit_test(test_history),
         cmocka_unit_test(test_single_pass_is_refused),
     };
     setenv("MESA_GLES_VERSION_OVERRIDE", "3.0",
