@@ -36,6 +36,17 @@ float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_M
 
 vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }
 
+// The nearest value >= 0 that a small float of so many mantissa bits holds. Implementations round or truncate what they store;
+// truncated bounce after bounce, light loses a tenth, and its blue a fifth.
+float dgb_nearest(float x, int bits) {
+    int   shift = 23 - bits;
+    float least = exp2(float(-14 - bits)); // step of the subnormal values, below 2^-14
+    uint  code  = (floatBitsToUint(x) + (1u << (shift - 1))) >> shift << shift;
+    return x < 6.103515625e-5 ? floor(x / least + 0.5) * least : uintBitsToFloat(code);
+}
+
+vec3 dgb_nearest(vec3 v) { return vec3(dgb_nearest(v.x, 6), dgb_nearest(v.y, 6), dgb_nearest(v.z, 5)); }
+
 int dgb_pixel_hash(ivec2 pixel, int frame) {
     uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;
     h      = (h ^ (h >> 16)) * 0x7feb352du;

@@ -47,24 +47,28 @@ dgb_past dgb_past_of(vec2 pixel, vec3 x, vec3 n, vec3 velocity, dgb_reprojection
     return past;
 }
 
-// How far each layer of a texel of last frame is from the point's plane there, or from its own z: whichever is less.
-vec2 dgb_past_error(ivec2 texel, dgb_past past, dgb_reprojection r) {
-    vec2  at      = vec2(texel) + 0.5;
-    vec3  ray_z   = vec3(at * r.last.position_z.xy + r.last.position_z.zw, 1.0);
-    vec3  ray_1   = vec3(at * r.last.position_1.xy + r.last.position_1.zw, 0.0);
-    float on_ray  = dot(past.normal, past.point - ray_1) / dot(past.normal, ray_z); // where the ray meets the plane
-    vec2  zs      = texelFetch(dgb_last_z, texel, 0).xy;
-    vec2  to_own  = abs(zs - past.point.z), to_plane = abs(zs - on_ray);
-    return vec2(to_plane.x < to_own.x ? to_plane.x : to_own.x, to_plane.y < to_own.y ? to_plane.y : to_own.y);
+// z where the ray through a pixel position meets the point's plane.
+float dgb_plane_z(vec2 at, dgb_past past, dgb_camera last) {
+    vec3 ray_z = vec3(at * last.position_z.xy + last.position_z.zw, 1.0);
+    vec3 ray_1 = vec3(at * last.position_1.xy + last.position_1.zw, 0.0);
+    return dot(past.normal, past.point - ray_1) / dot(past.normal, ray_z);
+}
+
+// How far a layer of a texel of last frame is from the point's plane there, or from its own z: whichever is less.
+float dgb_past_error(float z, vec2 at, dgb_past past, dgb_camera last) {
+    float to_own = abs(z - past.point.z), to_plane = abs(z - dgb_plane_z(at, past, last));
+    return to_plane < to_own ? to_plane : to_own;
 }
 
 // Whether a texel shows the surface: 0 in the first layer, 1 in the second, -1 in neither.
 int dgb_past_layer(ivec2 texel, dgb_past past, dgb_reprojection r) {
-    vec2 error = dgb_past_error(texel, past, r);
+    vec2  zs    = texelFetch(dgb_last_z, texel, 0).xy;
+    float first = dgb_past_error(zs.x, vec2(texel) + 0.5, past, r.last);
 #if DGB_DEEP
-    if (error.y < error.x) return error.y <= past.tolerance ? 1 : -1;
+    float second = dgb_past_error(zs.y, dgb_centre(1, texel), past, r.last);
+    if (second < first) return second <= past.tolerance ? 1 : -1;
 #endif
-    return error.x <= past.tolerance ? 0 : -1;
+    return first <= past.tolerance ? 0 : -1;
 }
 
 #if DGB_LAST_LIGHT

@@ -82,7 +82,7 @@ vec3 dgb_packed_radiance(int layer, ivec2 p, float z, vec2 normal) {
 #if DGB_LAST_LIGHT
     radiance = dgb_storable(radiance + dgb_bounced(layer, p, z, normal));
 #endif
-    return z != 0.0 ? radiance : vec3(0.0);
+    return z != 0.0 ? dgb_nearest(radiance) : vec3(0.0);
 }
 
 float dgb_packed_z(float z) { return z != 0.0 ? z : DGB_EMPTY_Z; }

@@ -31,6 +31,7 @@ layout(location = 2) out vec4 dgb_out_irradiance1;
 
 const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history
 const float DGB_MOST_FRAMES = 64.0; // counted
+const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger
 
 struct dgb_history {
     vec4  irradiance;
@@ -49,7 +50,7 @@ void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) 
 #endif
     if (shown == 1) return;
     h.visibility_share += weight;
-    h.visibility += weight * dgb_storable(frames.x);
+    h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);
     h.visibility_frames += weight * dgb_storable(frames.y);
 }
 
@@ -80,7 +81,7 @@ vec4 dgb_filtered(vec4 raw, inout dgb_history h) {
     float share = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
     h.frames *= share;
     vec4 mean = dgb_unweigh(mix(dgb_weigh(raw), h.irradiance * share, dgb_history_weight(h.frames)));
-    return vec4(dgb_storable(mean.rgb), mean.a);
+    return mean.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(mean.rgb), mean.a) : vec4(0.0);
 }
 
 void main() {

@@ -239,8 +239,8 @@ static void check_boost(float unsaturated, float saturated, const float albedo[3
     sent_by_all(&u, least, most);
     for (k = 0; k < 3; ++k) {
         const double sum = 2.0 * (1.0 + (double)albedo[k] * factor);
-        assert_true(least[k] >= sum * (1.0 - 1.0 / 256.0) - code_at(sum, k));
-        assert_true(most[k] <= sum * (1.0 + 1.0 / 1024.0));
+        assert_true(least[k] >= sum * (1.0 - 1.0 / 1024.0) - 0.5 * code_at(sum, k));
+        assert_true(most[k] <= sum * (1.0 + 1.0 / 1024.0) + 0.5 * code_at(sum, k));
         if (factor == 0.0) assert_true(least[k] == 2.0 && most[k] == 2.0); /* nothing at all */
     }
     close_furnace(&u);
