@@ -2255,6 +2255,31 @@ static void test_inputs_that_are_needed(void** state) {
     check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 1023);
 }
 
+/* Layers of the engine's own are never built afresh: a cut and a resize drop the history all the same. */
+static void test_history_of_engine_layers(void** state) {
+    static const char script[] = "1.c.r.2."; /* 1, 2: layers set so often; c: cut; r: resize */
+    static const bool usable[] = {false, true, false, true, false, true, false, true};
+    fixture f;
+    int i;
+    (void)state;
+    start_engine(&f, 2, ALL_EFFECTS, DGB_NORMALS_FLOAT);
+    for (i = 0; script[i]; ++i) {
+        dgb_layers layers;
+        if (script[i] == 'r') {
+            assert_int_equal(dgb_resize(&f.context, 40, 30), DGB_OK);
+            f.desc.width = 40, f.desc.height = 30;
+        }
+        f.view.cut = script[i] == 'c';
+        layers = engine_layers(&f);
+        record_clear(&f.r);
+        if (script[i] == '2') set_layers(&f, &layers);
+        set_layers(&f, &layers);
+        shade(&f);
+        check_usable(&f, usable[i], usable[i], &script[i]);
+    }
+    stop(&f);
+}
+
 static void check_engine_textures_live(const fixture* f, const dgb_layers* layers) {
     int i;
     for (i = 0; i < 2; ++i)
@@ -2397,6 +2422,7 @@ int main(void) {
         cmocka_unit_test(test_shading_before_building),
         cmocka_unit_test(test_wrong_source),
         cmocka_unit_test(test_inputs_that_are_needed),
+        cmocka_unit_test(test_history_of_engine_layers),
         cmocka_unit_test(test_engine_textures_outlive_the_context),
         cmocka_unit_test(test_engine_textures_may_change),
         cmocka_unit_test(test_two_contexts),

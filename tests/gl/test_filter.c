@@ -201,6 +201,22 @@ static void test_reference(void** state) {
     }
 }
 
+/* Without normals, without planes, without either: empty texels and what lies outside still count for nothing. */
+static void test_reference_without_edges(void** state) {
+    int kind, l, axis;
+    (void)state;
+    for (kind = 0; kind < 4; ++kind) {
+        bench b = open_bench(61, 43, 7);
+        put_motley(&b);
+        b.params.normal_sharpness = kind & 1 ? 0.5f : 0.0f;
+        b.params.plane_sharpness = kind & 2 ? 0.25f : 0.0f;
+        filter(&b);
+        for (l = 0; l < 2; ++l)
+            for (axis = 0; axis < 2; ++axis) compare(&b, l, axis);
+        close_bench(&b);
+    }
+}
+
 /* >> halos */
 
 /* A bright wall beside a dark one behind it: how much of the light crosses the edge, of both layers. */
@@ -379,8 +395,10 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference), cmocka_unit_test(test_no_halo), cmocka_unit_test(test_no_halo_around_corners),
-        cmocka_unit_test(test_planes),    cmocka_unit_test(test_outside), cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_reference),   cmocka_unit_test(test_reference_without_edges),
+        cmocka_unit_test(test_no_halo),     cmocka_unit_test(test_no_halo_around_corners),
+        cmocka_unit_test(test_planes),      cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }
