@@ -695,7 +695,7 @@ typedef struct dgb_pack_uniforms {
     float rotation[3][4]; /* world to camera, columns; identity when normals come in camera space */
     float separation[4];  /* separation (m; -1: not strict), depth codes (0: float) */
     int32_t size[4];      /* buffer width and height */
-    float bounce[4];      /* damping, boost of grey, boost of saturated colour */
+    float bounce[4];      /* damping, boost of grey, boost of saturated colour, taps */
     dgb_reprojection past;
 } dgb_pack_uniforms;
 
@@ -2412,6 +2412,7 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
     u->bounce[0] = q->bounce_damping;
     u->bounce[1] = q->boost_unsaturated;
     u->bounce[2] = q->boost_saturated;
+    u->bounce[3] = (float)q->samples;
     dgbi_fill_reprojection(c, q, c->has_history, &u->past);
 }
 

@@ -6,7 +6,7 @@ layout(std140) uniform dgb_pack_block {
     vec4       dgb_pack_rotation[3]; // world to camera, columns
     vec4       dgb_pack_separation;  // separation in m (-1: keep what the oracle let through), depth codes
     ivec4      dgb_pack_size;        // buffer width, height
-    vec4       dgb_pack_bounce;      // damping, boost of grey, boost of saturated colour
+    vec4       dgb_pack_bounce;      // damping, boost of grey, boost of saturated colour, taps
     dgb_reprojection dgb_pack_past;
 };
 
@@ -73,7 +73,9 @@ vec3 dgb_bounced(int layer, ivec2 p, float z, vec2 normal) {
     int      shown  = dgb_past_layer(texel, past, dgb_pack_past);
     vec3     albedo = dgb_storable(dgb_albedo_at(layer, p));
     float    factor = dgb_pack_bounce.x * dgb_boost(albedo, dgb_pack_bounce.y, dgb_pack_bounce.z) / DGB_PI;
-    return shown < 0 ? vec3(0.0) : factor * albedo * dgb_last_irradiance_at(texel, shown).rgb;
+    vec4     e      = dgb_last_irradiance_at(texel, shown);
+    float    found  = min(e.a * dgb_pack_bounce.w, 1.0); // below one tap a frame: light that has gone must not bounce on
+    return shown < 0 ? vec3(0.0) : factor * found * albedo * e.rgb;
 }
 #endif
 

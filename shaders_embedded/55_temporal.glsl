@@ -64,10 +64,9 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
     h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;
     for (int i = past.tolerance < 0.0 || !(z > DGB_EMPTY_Z) ? 4 : 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;
-        ivec2 inside = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
         vec2  weight = mix(1.0 - part, part, vec2(corner));
-        int   shown  = texel == inside ? dgb_past_layer(inside, past, dgb_temporal_past) : -1;
-        dgb_add_history(h, inside, shown, weight.x * weight.y);
+        texel        = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
+        dgb_add_history(h, texel, dgb_past_layer(texel, past, dgb_temporal_past), weight.x * weight.y);
     }
     return h;
 }

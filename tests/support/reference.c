@@ -588,9 +588,11 @@ reference_sent reference_radiance(const reference* r, const reference_last* last
     for (i = 0; i < 3; ++i) color[i] = storable((double)albedo[i]);
     for (i = 0; i < 3; ++i) {
         double bounced = 0.0;
-        if (shown >= 0)
-            bounced =
-                color[i] / PI * (double)q->bounce_damping * boost_of(color, q) * last_light(last, shown, r, texel, i);
+        if (shown >= 0) {
+            const double found = last_light(last, shown, r, texel, 3) * q->samples;
+            bounced = color[i] / PI * (double)q->bounce_damping * boost_of(color, q) * (found < 1.0 ? found : 1.0) *
+                      last_light(last, shown, r, texel, i);
+        }
         error = 16.0 * REFERENCE_EPSILON *
                 (bounced + (shown >= 0 ? color[i] * last_light(last, shown, r, texel, i) *
                                              ((double)q->boost_unsaturated + (double)q->boost_saturated)
