@@ -5,17 +5,10 @@
 // two glFinish, and the process's own time, which does not mind a busy machine but counts all threads. Where the renderer
 // is software, the process's time decides; else wall time. A small engine of its own draws: one buffer of skinned vertices,
 // a texture a draw, no sorting.
-#include "bench.hpp"
+#include "library.hpp"
 
-#include "deepgbuffer.h"
-#include "deepgbuffer_gl.h"
-
-#include <glm/gtc/type_ptr.hpp>
-
-#include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <ctime>
 
 namespace {
 
@@ -210,49 +203,7 @@ void main() {
 }
 )";
 
-// ---- Library --------------------------------------------------------------------------------------------
-
-// A backend and a context. Neither may move: the context points to the backend, both point to `complaint`.
-class Library {
-public:
-    explicit Library(dgb_desc desc) {
-        dgbgl_desc gl_desc{};
-        gl_desc.get_proc = headless_get_proc;
-        gl_desc.no_timers = true; // a timer query may make a tiler flush
-        gl_desc.message = [](void* user, const char* text) { static_cast<std::string*>(user)->append(text); };
-        gl_desc.message_user = &complaint_;
-        check(dgbgl_init(&gl_, &gl_desc));
-        desc.backend = &gl_.backend;
-        desc.log = [](void* user, dgb_result, dgb_log_item, const char* sentence) {
-            static_cast<std::string*>(user)->append(sentence);
-        };
-        desc.log_user = &complaint_;
-        check(dgb_init(&context_, &desc));
-    }
-    Library(const Library&) = delete;
-    Library& operator=(const Library&) = delete;
-    ~Library() {
-        dgb_shutdown(&context_);
-        dgbgl_shutdown(&gl_);
-    }
-
-    const dgb_context* context() const { return &context_; }
-    GLuint texture(dgb_slot slot) const { return dgbgl_texture_name(dgb_get_texture(&context_, slot)); }
-
-    void build(const dgb_view& view, const dgb_params& params, dgb_draw_fn draw, void* user) {
-        check(dgb_build(&context_, &view, &params, draw, user));
-    }
-    void shade(const dgb_params& params) { check(dgb_shade(&context_, &params)); }
-
-private:
-    void check(dgb_result result) const {
-        if (result != DGB_OK) { throw std::runtime_error(std::string(dgb_result_name(result)) + ": " + complaint_); }
-    }
-
-    std::string complaint_;
-    dgbgl_backend gl_{};
-    dgb_context context_{};
-};
+// ---- Programs -------------------------------------------------------------------------------------------
 
 // Calls a function that writes text as snprintf does: once for the length, once for the text.
 template <typename Write>
@@ -590,37 +541,23 @@ void Contender::draw(const dgb_draw& what) {
     counts_.draw_calls += model_.draw(program, method_.cached, what.instances);
 }
 
-dgb_view to_dgb_view(const RenderCamera& camera) {
-    dgb_view view{};
-    const glm::mat4 matrix = view_matrix(camera), projection = projection_matrix(camera, kAspect, ClipRange::standard);
-    std::copy_n(glm::value_ptr(matrix), 16, view.view);
-    std::copy_n(glm::value_ptr(projection), 16, view.projection);
-    return view;
-}
-
 void Contender::build(int frame) {
     constexpr Motion kMotion{0.045f, 0.34f, false};
     const dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
     frame_ = frame;
+    const RenderCamera camera = moved(view_.camera, kMotion, frame);
     library_.build(
-        to_dgb_view(moved(view_.camera, kMotion, frame)), params,
+        to_dgb_view(view_matrix(camera), projection_matrix(camera, kAspect, ClipRange::standard)), params,
         [](void* self, const dgb_draw* what) { static_cast<Contender*>(self)->draw(*what); }, this);
-}
-
-double process_ms() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
 
 void Contender::measure(int frame) {
     glFinish();
-    const auto start = std::chrono::steady_clock::now();
-    const double cpu_start = process_ms();
+    const double start = wall_ms(), cpu_start = process_ms();
     build(frame);
     glFinish();
     times_.cpu.push_back(process_ms() - cpu_start);
-    times_.wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times_.wall.push_back(wall_ms() - start);
 }
 
 // One frame more, not measured.
