@@ -245,14 +245,6 @@ struct CachedVertex { // `Skinned` there
     vec4 now, before, normal;
 };
 
-GlObject make_buffer(GLenum target, size_t bytes, const void* data) {
-    GLuint name = 0;
-    glGenBuffers(1, &name);
-    glBindBuffer(target, name);
-    glBufferData(target, GLsizeiptr(bytes), data, GL_STATIC_DRAW);
-    return {name, [](GLuint buffer) { glDeleteBuffers(1, &buffer); }};
-}
-
 GlObject upload_texture(const Image& image) {
     GlObject texture = make_texture();
     glBindTexture(GL_TEXTURE_2D, texture.name());
