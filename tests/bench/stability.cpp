@@ -53,7 +53,6 @@ public:
 
     const EngineLayers& layers() const { return *layers_; }
     Geometry geometry() const;
-    double mean_radiance() const; // of what the camera sees, W/m2/sr
     dgb_view dgb_view_now() const { return to_dgb_view(view_matrix_, projection()); }
 
 private:
@@ -116,25 +115,6 @@ Geometry Stage::geometry() const {
     return g;
 }
 
-double Stage::mean_radiance() const { return mean(renderer_->read_texture(DGB_RADIANCE, 0, GL_RGB)); }
-
-// Of eight directions halfway up the one that lights most of what the camera sees: what is to be gathered must not be close to
-// nothing, wherever a camera stands.
-glm::vec3 find_sun(const View& view, const GpuScene& scene) {
-    glm::vec3 best(0.0f, 1.0f, 0.0f);
-    double most = -1.0;
-    for (int i = 0; i < 8; ++i) {
-        const float angle = glm::pi<float>() * (float(i) + 0.5f) / 4.0f;
-        const glm::vec3 sun(std::cos(angle), 1.0f, std::sin(angle));
-        const double radiance = Stage(view, scene, sun, Moving::nothing).mean_radiance();
-        if (radiance > most) {
-            most = radiance;
-            best = sun;
-        }
-    }
-    return best;
-}
-
 // ---- Reprojection ---------------------------------------------------------------------------------------
 
 // Where a pixel's surface was a frame ago; the shaders' rule (19_history.glsl) for a scene that stands still.
@@ -152,7 +132,8 @@ glm::vec2 project(glm::vec3 point, const dgb_camera& camera) {
 
 Past past_of(const Geometry& now, const Geometry& last, const glm::mat4& to_last, size_t pixel,
              const dgb_params& params) {
-    const glm::vec2 at(float(pixel % kBufferWidth) + 0.5f, float(pixel / kBufferWidth) + 0.5f);
+    const size_t x_at = pixel % kBufferWidth, y_at = pixel / kBufferWidth;
+    const glm::vec2 at(float(x_at) + 0.5f, float(y_at) + 0.5f);
     glm::vec3 x;
     dgb_position(at.x, at.y, now.z[0][pixel], &now.camera, glm::value_ptr(x));
     Past past{};
@@ -336,6 +317,26 @@ private:
 
 using Contenders = std::vector<std::unique_ptr<Contender>>;
 
+// The direction by which the camera sees most bounced light, with one layer: what is compared must not be close to nothing,
+// wherever a camera stands.
+glm::vec3 find_sun(const View& view, const GpuScene& scene) {
+    glm::vec3 best(0.0f, 1.0f, 0.0f);
+    double most = -1.0;
+    Contender contender(1, false, 0.0f, params_for(view));
+    for (const float height : {0.6f, 1.0f, 2.0f}) {
+        for (int i = 0; i < 8; ++i) {
+            const float angle = glm::pi<float>() * (float(i) + 0.5f) / 4.0f;
+            const glm::vec3 sun(std::cos(angle), height, std::sin(angle));
+            contender.shade(Stage(view, scene, sun, Moving::nothing));
+            if (contender.mean_irradiance() > most) {
+                most = contender.mean_irradiance();
+                best = sun;
+            }
+        }
+    }
+    return best;
+}
+
 // ---- Steadiness -----------------------------------------------------------------------------------------
 
 struct Result {
@@ -395,7 +396,9 @@ double percent(int64_t part, int64_t whole) { return 100.0 * double(part) / doub
 
 double percent(double share) { return 100.0 * share; }
 
-void print_pair(double one, double two) { std::printf(" | %8.3f %8.3f %6.2f", one, two, one > 0.0 ? two / one : 1.0); }
+void print_pair(double one, double two, int digits = 3) {
+    std::printf(" | %8.*f %8.*f %6.2f", digits, one, digits, two, one > 0.0 ? two / one : 1.0);
+}
 
 void print_rows(const Result& result, bool bounces) {
     std::printf("    %-17s | %24s | %24s | %24s | %24s | %24s\n", bounces ? "bounces" : "one bounce",
@@ -412,7 +415,7 @@ void print_rows(const Result& result, bool bounces) {
         print_pair(percent(one.irradiance_99), percent(two.irradiance_99));
         print_pair(percent(one.visibility), percent(two.visibility));
         print_pair(percent(one.visibility_99), percent(two.visibility_99));
-        print_pair(one.mean_irradiance, two.mean_irradiance);
+        print_pair(one.mean_irradiance, two.mean_irradiance, 5);
         std::printf("\n");
     }
 }
