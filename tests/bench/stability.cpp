@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 
 namespace {
 
@@ -59,6 +60,7 @@ private:
     glm::mat4 projection() const { return projection_matrix(view_.camera, kAspect, ClipRange::standard); }
     glm::mat4 buffer_projection() const;
     void light_from(glm::vec3 sun);
+    void make_renderer();
 
     const View& view_;
     const GpuScene& scene_;
@@ -66,7 +68,7 @@ private:
     Moving moving_;
     glm::mat4 view_matrix_{1.0f};
     PassTimes times_{false};
-    ShadowMap shadows_;
+    std::optional<SceneLights> lights_;
     std::unique_ptr<SceneRenderer> renderer_;
     std::unique_ptr<EngineLayers> layers_;
 };
@@ -81,22 +83,26 @@ glm::mat4 Stage::buffer_projection() const {
 }
 
 void Stage::light_from(glm::vec3 sun) {
+    lights_.emplace(view_.scene, scene_, std::vector<PunctualLight>{sun_light(sun, 4.0f)});
+    lights_->update(*scene_.first_pose());
+}
+
+void Stage::make_renderer() {
     RendererDesc desc;
     desc.get_proc = headless_get_proc;
     desc.layers.width = kBufferWidth;
     desc.layers.height = kBufferHeight;
     desc.scene = &scene_;
-    desc.shadows = &shadows_;
-    desc.light = {{sun, 4.0f}, glm::vec3(0.2f)};
+    desc.lights = &*lights_; // where they stay
     desc.times = &times_;
-    shadows_ = render_shadow_map(view_.scene, scene_, desc.light.sun, 2048);
     renderer_ = std::make_unique<SceneRenderer>(desc);
 }
 
 void Stage::show(int frame) {
     const float turned = moving_ == Moving::sun ? kSunDegrees * float(frame) : 0.0f;
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(turned), glm::vec3(0.0f, 1.0f, 0.0f)));
-    if (!renderer_ || turned != 0.0f) { light_from(turn * sun_); }
+    if (!lights_ || turned != 0.0f) { light_from(turn * sun_); }
+    if (!renderer_) { make_renderer(); }
     view_matrix_ = view_matrix(moving_ == Moving::camera ? moved(view_.camera, kSideStep, frame) : view_.camera);
     renderer_->render(view_matrix_, buffer_projection(), dgb_preset(DGB_PRESET_BALANCED));
     if (!layers_) { layers_ = std::make_unique<EngineLayers>(*renderer_); }
