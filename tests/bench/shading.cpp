@@ -398,20 +398,23 @@ std::vector<std::unique_ptr<Contender>> make_contenders(const Picture& picture, 
     return contenders;
 }
 
-double mean(const std::vector<float>& values) {
+// Of irradiance alone, without confidence.
+double sum_of_light(const std::vector<float>& rgba) {
     double total = 0.0;
-    for (float value : values) { total += value; }
-    return total / double(std::max<size_t>(values.size(), 1));
+    for (size_t i = 0; i < rgba.size(); ++i) { total += i % 4 == 3 ? 0.0 : rgba[i]; }
+    return total;
 }
 
-// Whether the baseline computes what it should: the library by the same equation, with full-resolution taps.
+// Whether the baseline computes what it should: the library by the same equation, with full-resolution taps. Not filtered,
+// because the library's filter weighs by confidence and the baseline's does not.
 double baseline_over_library(const Picture& picture, dgb_params params, const Contender& baseline) {
     dgb_desc desc = EngineLayers::describe(kWidth, kHeight, 2, DGB_EFFECT_RADIOSITY);
     desc.normaliser = DGB_NORMALISER_PAPER;
     params.min_level = 0;
+    params.filter_taps = 1;
     Chain same(picture, desc, params);
     same.run();
-    return mean(weigh(baseline.irradiance())) / mean(weigh(same.irradiance()));
+    return sum_of_light(baseline.irradiance()) / sum_of_light(same.irradiance());
 }
 
 double share_filled(const std::vector<float>& z) {
@@ -585,7 +588,7 @@ void write_csv(std::FILE* csv, const View& view, Taps taps, const Measured& m) {
 void run(const std::string& argument, bool quick, std::FILE* csv) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    SceneLights lights(view.scene, scene, {sun_light({0.3f, 0.6f, 0.7f}, 4.0f)});
+    SceneLights lights(view.scene, scene, {sun_light(glm::make_vec3(kSunDirection), 4.0f)});
     lights.update(*scene.first_pose());
     const int preset_taps = dgb_preset(DGB_PRESET_BALANCED).samples;
     for (const Taps taps : {Taps{16, preset_taps}, Taps{32, 30}}) {

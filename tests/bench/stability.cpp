@@ -514,7 +514,7 @@ void write_plot_script(const std::vector<std::string>& scenes) {
                  360 * scenes.size());
     std::fprintf(
         out,
-        "set datafile separator ','\nset datafile missing NaN\nset multiplot layout %zu, 2\nset key bottom left\n"
+        "set datafile separator ','\nset datafile missing NaN\nset multiplot layout %zu, 2\nset key top right\n"
         "set grid\nset yrange [0:*]\nset xlabel 'weight of history'\n"
         "set ylabel 'change of irradiance a frame, %% of mean'\n",
         scenes.size());
@@ -548,6 +548,12 @@ void plot(const std::vector<std::string>& scenes) {
     }
 }
 
+// Gives the second view of a scene another name than the first.
+void tell_from(const std::vector<std::string>& names, std::string* name) {
+    const std::string file = *name;
+    for (int i = 2; std::count(names.begin(), names.end(), *name) > 0; ++i) { *name = file + " " + std::to_string(i); }
+}
+
 void run(const Options& options) {
     const int warm_up = options.quick ? 6 : 24, frames = options.quick ? 10 : 60;
     std::vector<std::string> arguments = options.scenes, names;
@@ -558,7 +564,8 @@ void run(const Options& options) {
                                 "visibility_99,mean_irradiance,disoccluded,filled\n");
         std::fprintf(bounces_csv.get(), "scene,layers,history_weight,frame,mean_irradiance\n");
         for (const std::string& argument : arguments) {
-            const View view = load_view(argument);
+            View view = load_view(argument);
+            tell_from(names, &view.name);
             const GpuScene scene(view.scene);
             const glm::vec3 sun = find_sun(view, scene);
             for (const Moving moving : {Moving::camera, Moving::sun}) {
