@@ -216,7 +216,8 @@ private:
     void write_fallback();
     void write_second_alone();
     void write_bounces();
-    Rgb after_bounces(int bounces);
+    void bounce(SceneRenderer* renderer, int bounces);
+    void append_brightened(std::vector<LabelledPicture>* pictures, const std::vector<LabelledFloats>& lights) const;
     RunReport report(const Rgb& final_rgb) const;
 
     Options options_;
@@ -392,48 +393,59 @@ void Run::write_second_alone() {
     alone.samples = std::min(alone.samples * options_.frames, DGB_MAX_TAPS);
     alone.ao_samples = std::min(alone.ao_samples * options_.frames, DGB_MAX_TAPS);
 
-    const float scale = brightening(radiosity(with_two()));
-    const std::string times = scale > 1.0f ? render_report::print("radiosity x %.0f, ", double(scale)) : "radiosity, ";
-    std::vector<LabelledPicture> visibilities, radiosities;
+    std::vector<LabelledPicture> pictures;
+    std::vector<LabelledFloats> lights;
     const auto add = [&](const SceneRenderer& renderer, const std::string& layers) {
-        if (has(DGB_EFFECT_AO)) { visibilities.push_back({visibility(renderer), "ambient visibility, " + layers}); }
-        Floats light = radiosity(renderer);
-        for (float& value : light) { value *= scale; }
-        radiosities.push_back({tone_mapped(light), times + layers});
+        if (has(DGB_EFFECT_AO)) { pictures.push_back({visibility(renderer), "ambient visibility, " + layers}); }
+        lights.push_back({radiosity(renderer), layers});
     };
     add(with_two(), "both layers");
     add(with_one(), "first layer only");
     with_two().shade_again(alone);
     add(with_two(), "second layer only");
-
-    visibilities.insert(visibilities.end(), radiosities.begin(), radiosities.end());
-    write_grid("second_alone", visibilities, 3);
+    append_brightened(&pictures, lights);
+    write_grid("second_alone", pictures, 3);
 }
 
-// Paper, Figure 4.
+// Paper, Figure 4, and below it what the bounces add.
 void Run::write_bounces() {
     std::vector<LabelledPicture> pictures;
+    std::vector<LabelledFloats> lights;
     for (const int bounces : options_.compared_bounces) {
-        const std::string count = std::to_string(bounces);
-        pictures.push_back({after_bounces(bounces), count + (bounces == 1 ? " bounce" : " bounces")});
+        SceneRenderer renderer(renderer_desc(layers_desc(options_), &unread_times_)); // without a past
+        bounce(&renderer, bounces);
+        const std::string label = std::to_string(bounces) + (bounces == 1 ? " bounce" : " bounces");
+        pictures.push_back({tone_mapped(renderer.read_picture(Picture::final)), label});
+        lights.push_back({radiosity(renderer), label});
     }
-    write_grid("bounces", pictures, int(pictures.size()));
+    append_brightened(&pictures, lights);
+    write_grid("bounces", pictures, int(lights.size()));
 }
 
-// The last frame as it is after so many bounces, while nothing moves, by a renderer without a past.
-Rgb Run::after_bounces(int bounces) {
+// The last frame so many times, so that light bounces as often.
+void Run::bounce(SceneRenderer* renderer, int bounces) {
     Options still = options_;
     still.frames = bounces;
     still.bounces = bounces;
-    SceneRenderer renderer(renderer_desc(layers_desc(options_), &unread_times_));
     const SceneFrame frame = frame_at(options_.frame_drawn(), false);
     lights_->update(*frame.pose);
     for (int i = 0; i < bounces; ++i) {
         show_progress(i + 1, bounces);
-        renderer.build(frame, still.params_of(i));
-        renderer.shade(still.params_of(i));
+        renderer->build(frame, still.params_of(i));
+        renderer->shade(still.params_of(i));
     }
-    return tone_mapped(renderer.read_picture(Picture::final));
+}
+
+// All by the factor that the brightest one bears.
+void Run::append_brightened(std::vector<LabelledPicture>* pictures, const std::vector<LabelledFloats>& lights) const {
+    float scale = 1024.0f;
+    for (const LabelledFloats& light : lights) { scale = std::min(scale, brightening(light.pixels)); }
+    for (const LabelledFloats& light : lights) {
+        Floats pixels = light.pixels;
+        for (float& value : pixels) { value *= scale; }
+        pictures->push_back(
+            {tone_mapped(pixels), render_report::print("radiosity x %.0f, ", double(scale)) + light.label});
+    }
 }
 
 RunReport Run::report(const Rgb& final_rgb) const {

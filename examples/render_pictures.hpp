@@ -130,7 +130,12 @@ inline Floats radiosity(const SceneRenderer& r) {
     return light;
 }
 
-// The power of two that makes a percent of the pixels white; at most 1024.
+struct LabelledFloats {
+    Floats pixels;
+    std::string label;
+};
+
+// The power of two, 1 to 1024, with which the brightest percent of the pixels are nearly white.
 inline float brightening(const Floats& light) {
     Floats values(light.size() / 3);
     for (size_t i = 0; i < values.size(); ++i) { values[i] = luminance(&light[3 * i]); }
