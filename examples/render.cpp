@@ -214,6 +214,7 @@ private:
     void write_pictures(const Rgb& final_rgb);
     void write_pair(const char* name, Picture picture) const;
     void write_fallback();
+    dgb_params many_taps(dgb_params params) const;
     void write_second_alone();
     void write_bounces();
     void bounce(SceneRenderer* renderer, int bounces);
@@ -385,13 +386,18 @@ void Run::write_fallback() {
     renderer_->composite();
 }
 
-// Last of all, for it shades the layers again: in one frame, with the taps that all frames had, as no history may help.
+// For a frame that no history helps: the taps of all frames.
+dgb_params Run::many_taps(dgb_params params) const {
+    params.samples = std::min(params.samples * options_.frames, DGB_MAX_TAPS);
+    params.ao_samples = std::min(params.ao_samples * options_.frames, DGB_MAX_TAPS);
+    return params;
+}
+
+// Last of all, for it shades the layers again.
 void Run::write_second_alone() {
-    dgb_params alone = options_.params_of(options_.frames - 1);
+    dgb_params alone = many_taps(options_.params_of(options_.frames - 1));
     alone.second_alone = true;
     alone.history_weight = 0.0f;
-    alone.samples = std::min(alone.samples * options_.frames, DGB_MAX_TAPS);
-    alone.ao_samples = std::min(alone.ao_samples * options_.frames, DGB_MAX_TAPS);
 
     std::vector<LabelledPicture> pictures;
     std::vector<LabelledFloats> lights;
@@ -431,8 +437,10 @@ void Run::bounce(SceneRenderer* renderer, int bounces) {
     lights_->update(*frame.pose);
     for (int i = 0; i < bounces; ++i) {
         show_progress(i + 1, bounces);
-        renderer->build(frame, still.params_of(i));
-        renderer->shade(still.params_of(i));
+        const dgb_params params = still.params_of(i);
+        const bool last = i + 1 == bounces, remembers = i > 0 && params.history_weight > 0.0f;
+        renderer->build(frame, params);
+        renderer->shade(last && !remembers ? many_taps(params) : params);
     }
 }
 
