@@ -249,7 +249,7 @@ exactly() {
         [ $wanted -eq $there ] || { echo "$name: $there, not $wanted"; return 1; }
     done
 }
-into_out() { rm -rf out && atrium --frames 2 --out out "$@"; }
+into_out() { rm -rf out && atrium --frames "${last:-2}" --out out "$@"; }
 all_effects() {
     into_out --compare-bounces 1,3,2 && exactly confidence fallback second_alone disocclusion bounces &&
         png_size_is out/confidence.png 160 90 && png_size_is out/fallback.png 640 90 &&
@@ -272,13 +272,88 @@ same_with_pictures() {
         [ "$(grep '"hash"' with.json)" = "$(grep '"hash"' without.json)" ] || return 1
     for name in other/*.png; do cmp "$name" "out/${name#other/}" || return 1; done
 }
-differs() { ! cmp -s "$1" "$2"; }
-moving_shows() {
-    into_out && mv out/disocclusion.png still.png && into_out --orbit 2 && differs still.png out/disocclusion.png
+
+# >> what they show, away from their labels
+
+# png FILE: prints a pixel a line, from the upper left, "r g b". stb writes one IDAT, right behind the header.
+png() {
+    columns=$(od -An -tu1 -j 16 -N 4 "$1" | awk '{ print 256 * $3 + $4 }')
+    # a gzip header instead of zlib's; what comes at the end is not gzip's
+    { printf '\037\213\010\000\000\000\000\000\000\003'; tail -c +44 "$1"; } | gzip -dc 2>/dev/null |
+        od -An -v -tu1 -w$((3 * columns + 1)) | awk '
+            function distance(x) { return x < 0 ? -x : x }
+            function predictor(kind, a, b, c) { # left, above, above left
+                if (kind < 3) return kind == 1 ? a : kind == 2 ? b : 0
+                if (kind == 3) return int((a + b) / 2)
+                p = distance(b - c); q = distance(a - c); r = distance(a + b - 2 * c)
+                return p <= q && p <= r ? a : q <= r ? b : c
+            }
+            { for (i = 2; i <= NF; ++i) {
+                  a = i > 4 ? line[i - 3] : 0; c = i > 4 ? above[i - 3] : 0
+                  line[i] = ($i + predictor($1, a, above[i] + 0, c)) % 256 }
+              for (i = 2; i <= NF; i += 3) print line[i], line[i + 1], line[i + 2]
+              for (i = 2; i <= NF; ++i) above[i] = line[i] }'
 }
-pairs_differ() { # the four of the fallback and the three of the layers are not copies: other lights, other pictures
-    into_out && mv out/fallback.png a.png && mv out/second_alone.png b.png && into_out --sky 1,0,0 &&
-        differs a.png out/fallback.png && into_out --separation 2 && differs b.png out/second_alone.png
+
+# A dump's numbers in the order of a picture 160 pixels wide.
+top_down() {
+    pixels "$1" 1 | awk '{ line[NR] = $1 }
+        END { for (y = NR / 160 - 1; y >= 0; --y) for (x = 1; x <= 160; ++x) print line[160 * y + x] }'
+}
+confidence_is_grey() {
+    into_out --dump confidence0=confidence0.pfm && top_down confidence0 >wanted.text && png out/confidence.png |
+        paste -d ' ' - wanted.text | awk 'NR > 160 * 24 && (NR - 1) % 160 < 100 { # left of the histogram
+            error = $1 - 255 * $4; if (error > 0.6 || error < -0.6 || $1 != $2 || $1 != $3) ++bad
+            if ($1 > 30) ++bright } END { print bad + 0, bright + 0; exit !(NR == 14400 && !bad && bright > 100) }'
+}
+# Its histogram stands on a light grey axis of 32 bins, and the fullest bin is 90 / 4 pixels high.
+histogram_stands() {
+    png out/confidence.png | awk '{ x = (NR - 1) % 160; y = int((NR - 1) / 160) }
+        $1 == 160 && $2 == 160 && $3 == 160 { ++axis[y] } $1 == 255 { ++column[x] }
+        END { for (y in axis) if (axis[y] > longest) longest = axis[y]
+              for (x in column) if (column[x] > highest) highest = column[x]
+              print longest, highest; exit !(longest == 32 && highest >= 22) }'
+}
+# column_means FILE COLUMNS FROM TO: of these rows of each column, 160 pixels wide; of all three channels
+column_means() {
+    png "$1" | awk -v columns="$2" -v from="$3" -v to="$4" '
+        { x = (NR - 1) % (160 * columns); y = int((NR - 1) / (160 * columns)) }
+        y >= from && y < to { sum[int(x / 160)] += $1 + $2 + $3 }
+        END { for (i = 0; i < columns; ++i) printf "%s ", sum[i] / (480 * (to - from)); print "" }'
+}
+# Without light from elsewhere the probe gives none, and confidence takes light away.
+fallback_blends() {
+    into_out --sky 0,0,0 && column_means out/fallback.png 4 24 90 | tee means &&
+        awk '{ exit !($1 == 0 && $2 > 10 && $3 > 0 && $3 < $2 && $4 < $2 && $4 > 0) }' means &&
+        png out/indirect.png | tail -n +3841 >wanted.text && png out/fallback.png |
+        awk '{ x = (NR - 1) % 640 } NR > 640 * 24 && x >= 320 && x < 480' >blended.text && cmp wanted.text blended.text
+}
+second_alone_is_that() {
+    into_out && column_means out/second_alone.png 3 24 90 | tee means &&
+        awk '{ exit !($1 < $2 && $3 > $2 && $3 < 254) }' means && column_means out/second_alone.png 3 114 180 | tee means &&
+        awk '{ exit !($3 > 1 && $1 > 1.1 * $2 && $1 > $3) }' means
+}
+nothing_without_second() { # layer: then the first is all there is
+    into_out --separation 1000 && column_means out/second_alone.png 3 24 90 | tee means &&
+        awk '{ exit !($1 < 250 && $1 == $2 && $3 == 255) }' means && column_means out/second_alone.png 3 114 180 | tee means &&
+        awk '{ exit !($1 > 1 && $1 == $2 && $3 == 0) }' means
+}
+bounces_brighten() {
+    into_out --sky 0,0,0 --compare-bounces 1,2,8 && column_means out/bounces.png 3 114 180 | tee means &&
+        awk '{ exit !($1 > 1 && $2 > $1 && $3 > $2) }' means
+}
+colours_are_disocclusions() {
+    last=6 into_out --orbit 2 --oracle peel --dump history0=history0.pfm --dump z0=z0.pfm || return 1
+    top_down history0 >wanted.text
+    top_down z0 | paste -d ' ' wanted.text - >both.text
+    png out/disocclusion.png | paste -d ' ' - both.text | awk 'NR > 160 * 40 {
+        new = $5 < 0 && $4 == 1; yellow = $1 == 255 && $2 == 255 && $3 == 0; cyan = $1 == 0 && $2 == 255 && $3 == 255
+        if (new != yellow || (!yellow && !cyan && ($1 != $2 || $1 != $3))) ++bad
+        yellows += yellow; cyans += cyan }
+        END { print bad + 0, "bad,", yellows + 0, "yellow,", cyans + 0, "cyan"; exit !(!bad && yellows > 10 && cyans > 10) }'
+}
+still_is_grey() {
+    into_out && png out/disocclusion.png | awk '$1 != $2 || $1 != $3 { ++bad } END { print bad + 0; exit NR != 14400 || bad }'
 }
 check "both effects: five pictures, and sizes"   all_effects
 check "bounced light alone: three"               light_alone
@@ -287,8 +362,14 @@ check "no effect: none of them"                  no_effect
 check "one layer: four"                          one_layer
 check "a picture of one pixel"                   tiny
 check "with pictures, the same dumps and hash"   same_with_pictures
-check "a turning camera shows in disocclusion"   moving_shows
-check "they show the probe and the layers"       pairs_differ
+check "confidence is what the dump says"         confidence_is_grey
+check "beside it stands a histogram"             histogram_stands
+check "the fallback blends two lights"           fallback_blends
+check "the second layer alone"                   second_alone_is_that
+check "alone, where there is none"               nothing_without_second
+check "compared bounces get brighter"            bounces_brighten
+check "disocclusions: yellow, cyan, else grey"   colours_are_disocclusions
+check "a still camera: none"                     still_is_grey
 
 # >> report
 
