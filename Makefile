@@ -73,6 +73,9 @@ setup: ## install what the examples and the tests need and this machine lacks
 # What `make demo` renders, a command a line.
 define demo_commands
 build/release/render --out build/demo/atrium --preset quality --samples 60 --ao-samples 40
+build/release/render --out build/demo/moving --size 640x360 --orbit 1
+build/release/render --out build/demo/bounces --size 480x270 --preset quality --compare-bounces 1,2,100 \
+    --camera -15,7.2,-7,0,6.5,-7,70 --sun 0.3,0.5,0.6,12 --sky 0.01,0.015,0.02 --radius 12
 endef
 
 demo: ## set up, build and render the atrium into build/demo

@@ -4,6 +4,7 @@
 #include <stb_image_write.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -87,6 +88,21 @@ std::vector<Rectangle> text_rectangles(std::string text) {
     return rectangles;
 }
 
+constexpr int kTextMargin = 3, kLineHeight = 9; // font pixels
+
+// Pixels of a printable line, with its margin.
+int label_width(std::string line, int scale) { return (stb_easy_font_width(line.data()) + 2 * kTextMargin) * scale; }
+int label_height(int scale) { return (kLineHeight + 2 * kTextMargin) * scale; }
+
+// White, the margin's corner at (x, y).
+void draw_text(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale, const std::string& line) {
+    for (const Rectangle& part : text_rectangles(line)) {
+        const Rectangle area = {x + (part.left + kTextMargin) * scale, y + (part.top + kTextMargin) * scale,
+                                x + (part.right + kTextMargin) * scale, y + (part.bottom + kTextMargin) * scale};
+        fill(rgb, width, height, area, 255, 1.0f);
+    }
+}
+
 } // namespace
 
 bool write_png(const std::string& path, int width, int height, const std::vector<uint8_t>& rgb) {
@@ -112,34 +128,48 @@ bool write_text(const std::string& path, const std::string& text) {
 }
 
 void draw_label(std::vector<uint8_t>* rgb, int width, int height, int x, int y, int scale, const std::string& text) {
-    const int margin = 3, line_height = 9; // font pixels
-    std::string line = printable(text);
-    const int line_width = stb_easy_font_width(line.data());
-    const Rectangle box = {x, y, x + (line_width + 2 * margin) * scale, y + (line_height + 2 * margin) * scale};
+    const std::string line = printable(text);
+    const Rectangle box = {x, y, x + label_width(line, scale), y + label_height(scale)};
     fill(rgb, width, height, box, 0, 0.65f);
-    for (const Rectangle& part : text_rectangles(line)) {
-        const Rectangle area = {x + (part.left + margin) * scale, y + (part.top + margin) * scale,
-                                x + (part.right + margin) * scale, y + (part.bottom + margin) * scale};
-        fill(rgb, width, height, area, 255, 1.0f);
-    }
+    draw_text(rgb, width, height, x, y, scale, line);
 }
 
-std::vector<uint8_t> side_by_side(const std::vector<uint8_t>& left, const std::string& left_label,
-                                  const std::vector<uint8_t>& right, const std::string& right_label, int width,
-                                  int height) {
-    const size_t row_size = size_t(width) * 3;
-    std::vector<uint8_t> pair;
-    pair.reserve(2 * row_size * size_t(height));
-    for (int y = 0; y < height; ++y) {
-        const auto offset = std::ptrdiff_t(size_t(y) * row_size);
-        pair.insert(pair.end(), left.begin() + offset, left.begin() + offset + std::ptrdiff_t(row_size));
-        pair.insert(pair.end(), right.begin() + offset, right.begin() + offset + std::ptrdiff_t(row_size));
+int label_scale(int height) { return std::max(1, height / 360); }
+
+std::vector<uint8_t> picture_grid(const std::vector<LabelledPicture>& pictures, int columns, int width, int height) {
+    const size_t row_size = size_t(width) * 3, rows = pictures.size() / size_t(columns);
+    std::vector<uint8_t> grid;
+    grid.reserve(pictures.size() * row_size * size_t(height));
+    for (size_t line = 0; line < rows * size_t(height); ++line) {
+        for (size_t column = 0; column < size_t(columns); ++column) {
+            const std::vector<uint8_t>& rgb = pictures[line / size_t(height) * size_t(columns) + column].rgb;
+            const auto begin = rgb.begin() + std::ptrdiff_t(line % size_t(height) * row_size);
+            grid.insert(grid.end(), begin, begin + std::ptrdiff_t(row_size));
+        }
     }
-    const int scale = std::max(1, height / 360);
     const int margin = 8; // pixels
-    draw_label(&pair, 2 * width, height, margin, margin, scale, left_label);
-    draw_label(&pair, 2 * width, height, width + margin, margin, scale, right_label);
-    return pair;
+    for (int i = 0; i < int(pictures.size()); ++i) {
+        const int x = i % columns * width + margin, y = i / columns * height + margin;
+        draw_label(&grid, columns * width, int(rows) * height, x, y, label_scale(height), pictures[size_t(i)].label);
+    }
+    return grid;
+}
+
+void draw_histogram(std::vector<uint8_t>* rgb, int width, int height, const std::vector<size_t>& counts,
+                    const std::string& low, const std::string& high) {
+    const int bins = int(counts.size()), scale = label_scale(height), margin = 8; // pixels
+    const int bar = std::max(1, width / 3 / bins), tallest = height / 4;
+    const int right = width - 2 * margin, left = right - bins * bar, bottom = height - 2 * margin - label_height(scale);
+    const Rectangle box = {left - margin, bottom - tallest - margin, right + margin, height - margin};
+    const size_t greatest = std::max(*std::max_element(counts.begin(), counts.end()), size_t{1});
+    fill(rgb, width, height, box, 0, 0.65f);
+    fill(rgb, width, height, {left, bottom, right, bottom + scale}, 160, 1.0f);
+    for (int i = 0; i < bins; ++i) {
+        const int top = bottom - int(std::lround(double(tallest) * double(counts[size_t(i)]) / double(greatest)));
+        fill(rgb, width, height, {left + i * bar, top, left + (i + 1) * bar, bottom}, 255, 1.0f);
+    }
+    draw_text(rgb, width, height, left, bottom, scale, printable(low));
+    draw_text(rgb, width, height, right - label_width(printable(high), scale), bottom, scale, printable(high));
 }
 
 uint64_t fnv1a64(const void* data, size_t size) {

@@ -9,6 +9,7 @@
 #include "image.hpp"
 #include "render_camera.hpp"
 #include "render_options.hpp"
+#include "render_pictures.hpp"
 #include "render_report.hpp"
 #include "scene.hpp"
 #include "scene_bake.hpp"
@@ -27,8 +28,8 @@
 namespace {
 
 namespace fs = std::filesystem;
+using namespace render_pictures;
 using glm::vec3;
-using Floats = std::vector<float>;
 using Picture = SceneRenderer::Picture;
 
 const PunctualLight kDefaultSun = sun_light(vec3(0.6f, 0.6f, 0.3f), 6.0f);
@@ -62,6 +63,11 @@ void open_context(Context* context) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageCallback(print_gl_message, nullptr);
     }
+}
+
+void check_gl() {
+    const GLenum error = glGetError();
+    if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
 }
 
 // ---- Input ----------------------------------------------------------------------------------------------
@@ -131,76 +137,13 @@ void require_written(bool written, const std::string& path) {
     if (!written) { throw std::runtime_error("cannot write \"" + path + "\""); }
 }
 
-// ---- From floats to bytes -------------------------------------------------------------------------------
-
-float srgb(float linear) {
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-}
-
-// Narkowicz's fit of the ACES filmic curve: 1 becomes 0.8, highlights roll off towards 1.
-float filmic(float x) {
-    x = std::min(x, 1e4f); // far into the white, and far from an overflow
-    return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
-}
-
-// NaN is black.
-uint8_t to_byte(float x) { return uint8_t(x > 0.0f ? std::lround(255.0f * std::min(x, 1.0f)) : 0); }
-
-// PNG has the top row first and three channels; one channel is repeated.
-template <typename Curve>
-std::vector<uint8_t> to_rgb(const Floats& pixels, int width, int height, Curve curve) {
-    const size_t row = size_t(width), channels = pixels.size() / (row * size_t(height));
-    std::vector<uint8_t> rgb;
-    rgb.reserve(row * size_t(height) * 3);
-    for (size_t y = size_t(height); y-- > 0;) {
-        for (size_t x = 0; x < row; ++x) {
-            const float* pixel = &pixels[(y * row + x) * channels];
-            for (size_t c = 0; c < 3; ++c) { rgb.push_back(to_byte(curve(pixel[std::min(c, channels - 1)]))); }
-        }
-    }
-    return rgb;
-}
-
-// ---- What a dump holds ----------------------------------------------------------------------------------
-
-Floats one_of_four(const Floats& rgba, size_t channel) {
-    Floats values(rgba.size() / 4);
-    for (size_t i = 0; i < values.size(); ++i) { values[i] = rgba[4 * i + channel]; }
-    return values;
-}
-
-// Colors of layer 0 or 1, black where the shading sees no surface.
-Floats layer_colors(const SceneRenderer& renderer, dgb_slot slot, int layer) {
-    Floats colors = renderer.read_texture(slot, layer, GL_RGB);
-    const Floats z = renderer.read_z(layer);
-    for (size_t i = 0; i < colors.size(); ++i) {
-        if (z[i / 3] == 0.0f) { colors[i] = 0.0f; }
-    }
-    return colors;
-}
-
-Floats dump_pixels(const SceneRenderer& r, const std::string& name) {
-    const int layer = name.back() == '1' ? 1 : 0;
-    if (name == "z0" || name == "z1") { return r.read_z(layer); }
-    if (name == "normal0" || name == "normal1") { return r.read_normals(layer); }
-    if (name == "albedo0" || name == "albedo1") { return layer_colors(r, DGB_ALBEDO, layer); }
-    if (name == "radiance0" || name == "radiance1") { return layer_colors(r, DGB_RADIANCE, layer); }
-    if (name == "ao") { return r.read_texture(DGB_AO, 0, GL_RED); }
-    if (name == "ao_raw") { return r.read_texture(DGB_AO_RAW, 0, GL_RED); }
-    if (name == "irradiance0") { return r.read_texture(DGB_IRRADIANCE, 0, GL_RGB); }
-    if (name == "irradiance0_raw") { return r.read_texture(DGB_IRRADIANCE_RAW, 0, GL_RGB); }
-    if (name == "irradiance1") { return r.read_texture(DGB_IRRADIANCE1, 0, GL_RGB); }
-    if (name == "irradiance1_raw") { return r.read_texture(DGB_IRRADIANCE1_RAW, 0, GL_RGB); }
-    if (name == "confidence0") { return one_of_four(r.read_texture(DGB_IRRADIANCE, 0, GL_RGBA), 3); }
-    if (name == "confidence1") { return one_of_four(r.read_texture(DGB_IRRADIANCE1, 0, GL_RGBA), 3); }
-    if (name == "history0") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 2); }
-    if (name == "history1") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 3); }
-    return r.read_picture(Picture::final);
+void make_directory(const std::string& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    require_written(!error, path);
 }
 
 // ---- One layer against two ------------------------------------------------------------------------------
-
-float luminance(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
 
 bool ao_differs(float a, float b) { return std::abs(a - b) > 0.05f; }
 
@@ -221,7 +164,8 @@ double share(const Floats& z, const std::function<bool(size_t)>& differs) {
     return surfaces == 0 ? 0.0 : 100.0 * double(changed) / double(surfaces);
 }
 
-void print_difference(const SceneRenderer& one, const SceneRenderer& two, uint32_t effects) {
+// Empty without effects.
+std::string difference(const SceneRenderer& one, const SceneRenderer& two, uint32_t effects) {
     const Floats z = two.read_z(0);
     std::string text;
     if ((effects & DGB_EFFECT_AO) != 0) {
@@ -236,7 +180,7 @@ void print_difference(const SceneRenderer& one, const SceneRenderer& two, uint32
         text += text.empty() ? "" : ",";
         text += render_report::print(" irradiance by more than 10 %% in %.2f %%", percent);
     }
-    if (!text.empty()) { std::printf("one layer against two:%s\n", text.c_str()); }
+    return text.empty() ? "" : "one layer against two:" + text + "\n";
 }
 
 // ---- A run ----------------------------------------------------------------------------------------------
@@ -251,7 +195,7 @@ public:
     explicit Run(const Options& options);
 
     void render_frames();
-    void write_files() const;
+    void write_files();
 
 private:
     RendererDesc renderer_desc(const dgb_desc& layers, PassTimes* times) const;
@@ -259,11 +203,23 @@ private:
     Probe bake();
     SceneFrame frame_at(int frame, bool with_next);
     void render_frame(SceneRenderer* renderer, int number, const SceneFrame& frame, PassTimes* times);
-    std::vector<uint8_t> tone_mapped(const Floats& linear) const;
-    void write_picture(const char* name, const std::vector<uint8_t>& rgb) const;
-    void write_pictures(const std::vector<uint8_t>& final_rgb) const;
+    bool has(uint32_t effects) const { return (options_.effects & effects) == effects; }
+    const SceneRenderer& with_one() const { return options_.layers > 1 ? *other_ : *renderer_; }
+    const SceneRenderer& with_two() const { return options_.layers > 1 ? *renderer_ : *other_; }
+    SceneRenderer& with_two() { return options_.layers > 1 ? *renderer_ : *other_; }
+    Rgb tone_mapped(const Floats& linear) const;
+    Rgb visibility(const SceneRenderer& renderer) const;
+    void write_grid(const char* name, const std::vector<LabelledPicture>& pictures, int columns) const;
+    void write_picture(const char* name, const Rgb& rgb) const;
+    void write_pictures(const Rgb& final_rgb);
     void write_pair(const char* name, Picture picture) const;
-    RunReport report(const std::vector<uint8_t>& final_rgb) const;
+    void write_fallback();
+    dgb_params many_taps(dgb_params params) const;
+    void write_second_alone();
+    void write_bounces();
+    void bounce(SceneRenderer* renderer, int bounces);
+    void append_brightened(std::vector<LabelledPicture>* pictures, const std::vector<LabelledFloats>& lights) const;
+    RunReport report(const Rgb& final_rgb) const;
 
     Options options_;
     Scene scene_;
@@ -354,57 +310,153 @@ void Run::render_frames() {
         const int shown = std::min(frame, options_.frame_drawn());
         render_frame(&*other_, frame, frame_at(shown, false), &unread_times_);
     }
-    const GLenum error = glGetError();
-    if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
+    check_gl();
 }
 
-std::vector<uint8_t> Run::tone_mapped(const Floats& linear) const {
+Rgb Run::tone_mapped(const Floats& linear) const {
     const float scale = std::exp2(options_.exposure);
     return to_rgb(linear, options_.width, options_.height, [=](float x) { return srgb(filmic(scale * x)); });
 }
 
-void Run::write_picture(const char* name, const std::vector<uint8_t>& rgb) const {
+Rgb Run::visibility(const SceneRenderer& renderer) const {
+    const Floats open(size_t(options_.width) * size_t(options_.height), 1.0f);
+    return to_rgb(has(DGB_EFFECT_AO) ? dump_pixels(renderer, "ao") : open, options_.width, options_.height,
+                  [](float x) { return x; });
+}
+
+void Run::write_grid(const char* name, const std::vector<LabelledPicture>& pictures, int columns) const {
+    const std::string path = (fs::path(options_.out) / (std::string(name) + ".png")).string();
+    const int width = options_.width, height = options_.height, rows = int(pictures.size()) / columns;
+    const Rgb grid = picture_grid(pictures, columns, width, height);
+    require_written(write_png(path, columns * width, rows * height, grid), path);
+}
+
+void Run::write_picture(const char* name, const Rgb& rgb) const {
     const std::string path = (fs::path(options_.out) / (std::string(name) + ".png")).string();
     require_written(write_png(path, options_.width, options_.height, rgb), path);
 }
 
-void Run::write_pictures(const std::vector<uint8_t>& final_rgb) const {
+void Run::write_pictures(const Rgb& final_rgb) {
     const int width = options_.width, height = options_.height;
     const auto albedo = [&](const SceneRenderer& renderer, int layer) {
         return to_rgb(layer_colors(renderer, DGB_ALBEDO, layer), width, height, srgb);
     };
-    const auto visibility = [&] {
-        const bool has_ao = (options_.effects & DGB_EFFECT_AO) != 0;
-        const Floats open(size_t(width) * size_t(height), 1.0f);
-        return to_rgb(has_ao ? dump_pixels(*renderer_, "ao") : open, width, height, [](float x) { return x; });
-    };
-    std::error_code error;
-    fs::create_directories(options_.out, error);
-    require_written(!error, options_.out);
     write_picture("final", final_rgb);
     write_picture("direct", tone_mapped(renderer_->read_picture(Picture::direct)));
-    write_picture("ambient_visibility", visibility());
+    write_picture("ambient_visibility", visibility(*renderer_));
     write_picture("indirect", tone_mapped(renderer_->read_picture(Picture::indirect)));
-    const SceneRenderer& with_two = options_.layers > 1 ? *renderer_ : *other_;
     write_picture("layer0", albedo(*renderer_, 0));
-    write_picture("layer1", albedo(with_two, 1));
-
+    write_picture("layer1", albedo(with_two(), 1));
     write_pair("one_vs_two", Picture::final);
     write_pair("indirect_one_vs_two", Picture::indirect);
+
+    if (!has(DGB_EFFECT_RADIOSITY)) { return; }
+    write_picture("confidence", confidence_view(*renderer_, width, height));
+    write_fallback();
+    if (has(DGB_EFFECT_AO)) {
+        // the first frame has none before it, from which anything could be missing
+        const Rgb plain = tone_mapped(with_two().read_picture(Picture::final));
+        write_picture("disocclusion",
+                      options_.frames > 1 ? disocclusion_view(with_two(), plain, width, height) : greyed(plain));
+    }
+    if (!options_.compared_bounces.empty()) { write_bounces(); }
+    write_second_alone();
 }
 
 // The picture with one layer beside that with two.
 void Run::write_pair(const char* name, Picture picture) const {
-    const bool has_two = options_.layers > 1;
-    const SceneRenderer &one = has_two ? *other_ : *renderer_, &two = has_two ? *renderer_ : *other_;
-    const std::vector<uint8_t> pair =
-        side_by_side(tone_mapped(one.read_picture(picture)), "one layer", tone_mapped(two.read_picture(picture)),
-                     "two layers", options_.width, options_.height);
-    const std::string path = (fs::path(options_.out) / (std::string(name) + ".png")).string();
-    require_written(write_png(path, 2 * options_.width, options_.height, pair), path);
+    write_grid(name,
+               {{tone_mapped(with_one().read_picture(picture)), "one layer"},
+                {tone_mapped(with_two().read_picture(picture)), "two layers"}},
+               2);
 }
 
-RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
+// Paper, Figure 9: what confidence makes of the probe's light and of the gathered light, and what it is better than.
+void Run::write_fallback() {
+    const auto indirect = [&](std::optional<float> confidence) {
+        renderer_->composite(confidence);
+        return tone_mapped(renderer_->read_picture(Picture::indirect));
+    };
+    write_grid("fallback",
+               {{indirect(0.0f), "probe alone"},
+                {indirect(1.0f), "gathered light alone"},
+                {indirect(std::nullopt), "blended by confidence"},
+                {indirect(0.5f), "average"}},
+               4);
+    renderer_->composite();
+}
+
+// For a frame that no history helps: the taps of all frames.
+dgb_params Run::many_taps(dgb_params params) const {
+    params.samples = std::min(params.samples * options_.frames, DGB_MAX_TAPS);
+    params.ao_samples = std::min(params.ao_samples * options_.frames, DGB_MAX_TAPS);
+    return params;
+}
+
+// Last of all, for it shades the layers again.
+void Run::write_second_alone() {
+    dgb_params alone = many_taps(options_.params_of(options_.frames - 1));
+    alone.second_alone = true;
+    alone.history_weight = 0.0f;
+
+    std::vector<LabelledPicture> pictures;
+    std::vector<LabelledFloats> lights;
+    const auto add = [&](const SceneRenderer& renderer, const std::string& layers) {
+        if (has(DGB_EFFECT_AO)) { pictures.push_back({visibility(renderer), "ambient visibility, " + layers}); }
+        lights.push_back({radiosity(renderer), layers});
+    };
+    add(with_two(), "both layers");
+    add(with_one(), "first layer only");
+    with_two().shade_again(alone);
+    add(with_two(), "second layer only");
+    append_brightened(&pictures, lights);
+    write_grid("second_alone", pictures, 3);
+}
+
+// Paper, Figure 4, and below it what the bounces add.
+void Run::write_bounces() {
+    std::vector<LabelledPicture> pictures;
+    std::vector<LabelledFloats> lights;
+    for (const int bounces : options_.compared_bounces) {
+        SceneRenderer renderer(renderer_desc(layers_desc(options_), &unread_times_)); // without a past
+        bounce(&renderer, bounces);
+        const std::string label = std::to_string(bounces) + (bounces == 1 ? " bounce" : " bounces");
+        pictures.push_back({tone_mapped(renderer.read_picture(Picture::final)), label});
+        lights.push_back({radiosity(renderer), label});
+    }
+    append_brightened(&pictures, lights);
+    write_grid("bounces", pictures, int(lights.size()));
+}
+
+// The last frame so many times, so that light bounces as often.
+void Run::bounce(SceneRenderer* renderer, int bounces) {
+    Options still = options_;
+    still.frames = bounces;
+    still.bounces = bounces;
+    const SceneFrame frame = frame_at(options_.frame_drawn(), false);
+    lights_->update(*frame.pose);
+    for (int i = 0; i < bounces; ++i) {
+        show_progress(i + 1, bounces);
+        const dgb_params params = still.params_of(i);
+        const bool last = i + 1 == bounces, remembers = i > 0 && params.history_weight > 0.0f;
+        renderer->build(frame, params);
+        renderer->shade(last && !remembers ? many_taps(params) : params);
+    }
+}
+
+// All by the factor that the brightest one bears.
+void Run::append_brightened(std::vector<LabelledPicture>* pictures, const std::vector<LabelledFloats>& lights) const {
+    float scale = 1024.0f;
+    for (const LabelledFloats& light : lights) { scale = std::min(scale, brightening(light.pixels)); }
+    for (const LabelledFloats& light : lights) {
+        Floats pixels = light.pixels;
+        for (float& value : pixels) { value *= scale; }
+        pictures->push_back(
+            {tone_mapped(pixels), render_report::print("radiosity x %.0f, ", double(scale)) + light.label});
+    }
+}
+
+RunReport Run::report(const Rgb& final_rgb) const {
     RunReport report;
     report.gl_renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     report.desc = layers_desc(options_);
@@ -417,13 +469,18 @@ RunReport Run::report(const std::vector<uint8_t>& final_rgb) const {
     report.lights = lights_->lights();
     report.map_size = lights_->map_size();
     report.map_count = lights_->map_count();
+    report.bounces = has(DGB_EFFECT_RADIOSITY) ? options_.bounces.value_or(options_.frames) : 0;
+    report.params = options_.params;
+    if (has(DGB_EFFECT_RADIOSITY)) { report.mean_confidence = mean_confidence(*renderer_); }
     report.hash = fnv1a64(final_rgb.data(), final_rgb.size());
     return report;
 }
 
-void Run::write_files() const {
-    const std::vector<uint8_t> final_rgb = tone_mapped(renderer_->read_picture(Picture::final));
-    if (!options_.out.empty()) { write_pictures(final_rgb); }
+// The pictures come last: some of them take more work with the renderers.
+void Run::write_files() {
+    const Rgb final_rgb = tone_mapped(renderer_->read_picture(Picture::final));
+    const std::string summary = difference(with_one(), with_two(), options_.effects);
+    if (!options_.out.empty()) { make_directory(options_.out); }
     for (const Dump& dump : options_.dumps) {
         const Floats pixels = dump_pixels(*renderer_, dump.name);
         const size_t count = size_t(options_.width) * size_t(options_.height);
@@ -434,8 +491,9 @@ void Run::write_files() const {
     if (!options_.json.empty()) {
         require_written(write_text(options_.json, report_to_json(report(final_rgb))), options_.json);
     }
-    const bool one_first = options_.layers > 1;
-    print_difference(one_first ? *other_ : *renderer_, one_first ? *renderer_ : *other_, options_.effects);
+    if (!options_.out.empty()) { write_pictures(final_rgb); }
+    check_gl();
+    std::printf("%s", summary.c_str());
 }
 
 void run(const Options& options) {

@@ -77,10 +77,11 @@ struct Options {
     ProbeKind probe = ProbeKind::constant;
     float exposure = 0.0f; // powers of two
     int frames = 8;
-    std::optional<int> bounces; // none: one more each frame
-    float orbit = 0.0f;         // degrees a frame
-    double time = 0.0;          // of the first frame, s
-    double fps = 30.0;          // frames a second of animation
+    std::optional<int> bounces;        // none: one more each frame
+    std::vector<int> compared_bounces; // empty: no such picture
+    float orbit = 0.0f;                // degrees a frame
+    double time = 0.0;                 // of the first frame, s
+    double fps = 30.0;                 // frames a second of animation
 
     // What a dump shows: with DELAY, the frame before the last one, if there is one.
     int frame_drawn() const { return oracle == DGB_ORACLE_DELAY && layers > 1 && frames > 1 ? frames - 2 : frames - 1; }
@@ -261,6 +262,17 @@ inline glm::vec2 parse_boost(const std::string& text) {
     return {n[0], n[1]};
 }
 
+inline std::vector<int> parse_bounces(const std::string& text) {
+    std::vector<int> bounces;
+    for (const float n : to_numbers(text)) {
+        bounces.push_back(n >= 1.0f && n <= 1000.0f && n == std::floor(n) ? int(n) : 0);
+    }
+    const bool valid = std::find(bounces.begin(), bounces.end(), 0) == bounces.end();
+    require(valid && !bounces.empty() && bounces.size() <= 4, "--compare-bounces",
+            "must be one to four whole numbers from 1 to 1000: n,n,...");
+    return bounces;
+}
+
 inline void parse_dump(const std::string& text, Options* options) {
     const size_t equals = text.find('=');
     const std::string name = text.substr(0, equals);
@@ -304,7 +316,13 @@ inline void apply(const Overrides& overrides, Options* options) {
 
 inline void add_outputs(CLI::App* app, Options* o) {
     app->add_option("SCENE", o->scene, "glTF 2.0 file, .gltf or .glb; without it, a procedural atrium");
-    app->add_option("--out", o->out, "directory for PNG pictures; made if it is not there");
+    app->add_option(
+        "--out", o->out,
+        "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
+        "layer0, layer1 (albedo), one_vs_two, indirect_one_vs_two (layers). With gi also confidence (and its "
+        "histogram), fallback (the probe's light, the gathered light, both blended by confidence, their "
+        "average) and second_alone (both layers, the first only, the second only). With ao and gi also "
+        "disocclusion (what last frame did not have in its first layer, or in neither)");
     app->add_option_function<Words>(
            "--dump",
            [=](const Words& dumps) {
@@ -373,6 +391,9 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option("--bounces", o->bounces,
                     "bounces of light that the last frame shows, at most one a frame (default: one more each frame)")
         ->check(between(1, 1e6, "1 to 1000000"));
+    app->add_option_function<std::string>(
+        "--compare-bounces", [=](const std::string& list) { o->compared_bounces = parse_bounces(list); },
+        "N,N,...: --out gets bounces.png, too: the last frame after so many bounces each, side by side");
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));
     app->add_option_function<std::string>(
@@ -431,6 +452,9 @@ inline void add_picture(CLI::App* app, Options* o) {
 inline void check_together(const Options& options) {
     require(options.bounces.value_or(1) <= options.frames, "--bounces",
             "needs as many --frames: light bounces once a frame");
+    const bool gathers = (options.effects & DGB_EFFECT_RADIOSITY) != 0;
+    require(options.compared_bounces.empty() || (gathers && !options.out.empty()), "--compare-bounces",
+            "needs --out and --effects gi");
     for (const Dump& dump : options.dumps) {
         const DumpKind& kind = *std::find_if(std::begin(kDumpKinds), std::end(kDumpKinds),
                                              [&](const DumpKind& k) { return dump.name == k.name; });

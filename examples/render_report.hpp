@@ -23,7 +23,10 @@ struct RunReport {
     int map_size = 0, map_count = 0;   // of their shadow maps; texels along one side
     std::string probe_kind;
     Probe probe{};
-    uint64_t hash = 0; // of the final picture's 8-bit pixels
+    int bounces = 0; // that the last frame shows
+    dgb_params params{};
+    std::optional<double> mean_confidence; // none without bounced light
+    uint64_t hash = 0;                     // of the final picture's 8-bit pixels
 };
 
 namespace render_report {
@@ -123,6 +126,11 @@ inline std::string report_to_json(const RunReport& report) {
     json += print("  \"shadow_maps\": {\"count\": %d, \"size\": %d},\n", report.map_count, report.map_size);
     json += "  \"probe\": " + quoted(report.probe_kind) + ",\n";
     json += "  \"probe_harmonics\": " + array(report.probe, vector_to_json) + ",\n";
+    json += print("  \"bounces\": %d,\n", report.bounces);
+    json += print("  \"alpha\": %.9g,\n", double(report.params.history_weight));
+    json += print("  \"delta\": %.9g,\n", double(report.params.bounce_damping));
+    json +=
+        "  \"mean_confidence\": " + (report.mean_confidence ? print("%.6f", *report.mean_confidence) : "null") + ",\n";
     json += "  \"build\": " + build_to_json(report) + ",\n";
     json += "  \"passes\": " + array(report.passes, pass_to_json) + ",\n";
     json += "  \"textures\": " + array(textures_of(plan), texture_to_json) + ",\n";

@@ -139,7 +139,8 @@ uniform sampler2D u_ao;
 uniform sampler2D u_irradiance;
 uniform int u_has_ao;
 uniform int u_has_irradiance;
-uniform int u_guard; // pixels
+uniform float u_confidence; // negative: that of the irradiance
+uniform int u_guard;        // pixels
 uniform float u_empty_depth;
 uniform mat4 u_view;
 uniform mat4 u_rays_from_buffer;  // pixel, depth
@@ -176,7 +177,8 @@ void main() {
     float visibility = u_has_ao != 0 ? texelFetch(u_ao, p, 0).r : 1.0;
     vec4 irradiance = u_has_irradiance != 0 ? texelFetch(u_irradiance, p, 0) : vec4(0.0); // a: confidence
     vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, ivec3(p, 0), 0).rg);
-    vec3 ambient = mix(visibility * PI * probe_radiance(normal), irradiance.rgb, irradiance.a);
+    float confidence = u_confidence < 0.0 ? irradiance.a : u_confidence;
+    vec3 ambient = mix(visibility * PI * probe_radiance(normal), irradiance.rgb, confidence);
 
     vec3 sky = sky_radiance(ray_direction(gl_FragCoord.xy + float(u_guard)));
     vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
@@ -379,9 +381,15 @@ void SceneRenderer::build(const SceneFrame& frame, const dgb_params& params) {
 
 void SceneRenderer::shade(const dgb_params& params) {
     light_layers();
-    if (dgb_shade(&library_.context, &params) != DGB_OK) { throw std::runtime_error(library_.complaint); }
+    shade_again(params);
+    desc_.times->begin();
     composite();
+    desc_.times->end("composite");
     collect_gpu_times();
+}
+
+void SceneRenderer::shade_again(const dgb_params& params) {
+    if (dgb_shade(&library_.context, &params) != DGB_OK) { throw std::runtime_error(library_.complaint); }
 }
 
 void SceneRenderer::render(const mat4& view, const mat4& projection, const dgb_params& params) {
@@ -470,8 +478,7 @@ void SceneRenderer::light_layers() {
     desc_.times->end("light");
 }
 
-void SceneRenderer::composite() {
-    desc_.times->begin();
+void SceneRenderer::composite(std::optional<float> confidence) {
     const GLuint program = composite_program_.name();
     const auto bind_if_there = [&](const char* name, int unit, dgb_slot slot) {
         const GLuint unread = direct_.name(); // a sampler must not be without a texture
@@ -489,6 +496,7 @@ void SceneRenderer::composite() {
     bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
+    set_uniform(program, "u_confidence", confidence.value_or(-1.0f));
     set_uniform(program, "u_guard", desc_.layers.guard_band);
     set_uniform(program, "u_empty_depth", empty_depth());
     set_uniform(program, "u_view", view_);
@@ -497,7 +505,6 @@ void SceneRenderer::composite() {
     set_uniform(program, "u_sky", std::vector<vec3>{sky.zenith, sky.horizon, sky.ground});
     set_uniform(program, "u_probe", std::vector<vec3>(desc_.probe.begin(), desc_.probe.end()));
     draw_fullscreen();
-    desc_.times->end("composite");
 }
 
 void SceneRenderer::collect_gpu_times() {

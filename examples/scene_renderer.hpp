@@ -70,6 +70,12 @@ public:
     // Both, for a scene in which nothing moves.
     void render(const glm::mat4& view, const glm::mat4& projection, const dgb_params& params);
 
+    // The layers of the last frame once more, lit as they are, without pictures. For the library it is one frame more, in
+    // which nothing moved.
+    void shade_again(const dgb_params& params);
+    // Pictures of the last frame with this confidence everywhere; none: with each pixel's own, as every frame has them.
+    void composite(std::optional<float> confidence = std::nullopt);
+
     // What the layers show: the pose of the frame, but for DGB_ORACLE_DELAY, which shows the one before.
     const GpuPose& drawn_pose() const { return *drawn_; }
 
@@ -116,7 +122,6 @@ private:
     void draw_layers(const dgb_draw& draw);
     void light_layers();
     void copy_emission();
-    void composite();
     void collect_gpu_times();
     glm::mat4 world_from_buffer() const;
     glm::mat4 rays_from_buffer() const;
