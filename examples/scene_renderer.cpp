@@ -178,7 +178,7 @@ void main() {
     vec4 irradiance = u_has_irradiance != 0 ? texelFetch(u_irradiance, p, 0) : vec4(0.0); // a: confidence
     vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, ivec3(p, 0), 0).rg);
     float confidence = u_confidence < 0.0 ? irradiance.a : u_confidence;
-    vec3 ambient = mix(visibility * PI * probe_radiance(normal), irradiance.rgb, confidence);
+    vec3 ambient = dgb_fallback(PI * probe_radiance(normal), visibility, vec4(irradiance.rgb, confidence));
 
     vec3 sky = sky_radiance(ray_direction(gl_FragCoord.xy + float(u_guard)));
     vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
@@ -323,7 +323,8 @@ void SceneRenderer::make_programs() {
     material_program_ = make_layers_program("material", kMaterialFragment);
     if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
     light_program_ = make_fullscreen_program("light", std::string(kDecodeNormal) + kDirectLight + kLightFragment);
-    composite_program_ = make_fullscreen_program("composite", std::string(kDecodeNormal) + kCompositeFragment);
+    const std::string fallback = text_of(dgbgl_composite_snippet);
+    composite_program_ = make_fullscreen_program("composite", fallback + kDecodeNormal + kCompositeFragment);
 }
 
 void SceneRenderer::make_targets() {

@@ -630,6 +630,64 @@ static void test_prefix_lengths(void** state) {
     assert_int_equal(dgbgl_shader_prefix(&c, DGBGL_VERTEX, NULL, 0, whole, sizeof whole), 0);
 }
 
+static GLuint fullscreen_program(const char* fragment) {
+    const char* texts[2] = {
+        "#version 330 core\nvoid main() {\n"
+        "    gl_Position = vec4(4.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0, 0.0, 1.0);\n}\n",
+        fragment};
+    const GLenum stages[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
+    const GLuint program = glCreateProgram();
+    GLint linked = 0;
+    int i;
+    for (i = 0; i < 2; ++i) {
+        const GLuint shader = glCreateShader(stages[i]);
+        glShaderSource(shader, 1, &texts[i], NULL);
+        glCompileShader(shader);
+        glAttachShader(program, shader);
+        glDeleteShader(shader);
+    }
+    glLinkProgram(program);
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    assert_true(linked);
+    return program;
+}
+
+/* The snippet for composites: its length as snprintf gives it, and one pixel of light drawn with it. */
+static void test_composite_snippet(void** state) {
+    static const char end[] =
+        "out vec4 color;\nvoid main() {\n"
+        "    color = vec4(dgb_fallback(vec3(2.0, 4.0, 0.0), 0.5, vec4(5.0, 0.0, 8.0, 0.25)), 1.0);\n}\n";
+    char text[4096] = "#version 330 core\n", small[8];
+    const size_t length = dgbgl_composite_snippet(NULL, 0), head = strlen(text);
+    float color[4];
+    GLuint program, vertices, framebuffer, target;
+    (void)state;
+    assert_int_equal(dgbgl_composite_snippet(small, sizeof small), length);
+    assert_true(length + head + sizeof end < sizeof text);
+    assert_int_equal(dgbgl_composite_snippet(text + head, sizeof text - head), length);
+    assert_int_equal(strlen(text), length + head);
+    strcat(text, end);
+    program = fullscreen_program(text);
+    glGenTextures(1, &target);
+    glBindTexture(GL_TEXTURE_2D, target);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 1, 1, 0, GL_RGBA, GL_FLOAT, NULL);
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target, 0);
+    glGenVertexArrays(1, &vertices);
+    glBindVertexArray(vertices);
+    glViewport(0, 0, 1, 1);
+    glUseProgram(program);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glReadPixels(0, 0, 1, 1, GL_RGBA, GL_FLOAT, color);
+    assert_true(color[0] == 0.75f * 1.0f + 1.25f && color[1] == 0.75f * 2.0f && color[2] == 2.0f);
+    glUseProgram(0);
+    glDeleteProgram(program);
+    glDeleteVertexArrays(1, &vertices);
+    glDeleteFramebuffers(1, &framebuffer);
+    glDeleteTextures(1, &target);
+}
+
 /* The whole path on OpenGL 3.3, with what AUTO finds there and without single-pass emission. */
 static void test_gl33(void** state) {
     int pretend;
@@ -838,6 +896,7 @@ int main(void) {
         cmocka_unit_test(test_bad_init),
         cmocka_unit_test(test_timers),
         cmocka_unit_test(test_prefix_lengths),
+        cmocka_unit_test(test_composite_snippet),
         cmocka_unit_test(test_calibration),
         cmocka_unit_test(test_deleted_program),
         cmocka_unit_test(test_bound_texture_goes),
