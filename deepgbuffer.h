@@ -938,6 +938,13 @@ static bool dgbi_all_finite(const float* x, int count) {
     return true;
 }
 
+static bool dgbi_same_bits(const float* a, const float* b, int count) {
+    int i;
+    for (i = 0; i < count; ++i)
+        if (dgbi_bits(a[i]) != dgbi_bits(b[i])) return false;
+    return true;
+}
+
 static int dgbi_clamp(int x, int low, int high) { return x < low ? low : x > high ? high : x; }
 
 static int dgbi_min(int a, int b) { return a < b ? a : b; }
@@ -2365,7 +2372,7 @@ static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t in
 static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
     double inverse[12], affine[12], change[12];
     int row, column;
-    const bool same = memcmp(now, last, sizeof(float) * 16) == 0;
+    const bool same = dgbi_same_bits(now, last, 16);
     for (column = 0; column < 4; ++column)
         for (row = 0; row < 3; ++row) {
             affine[column * 3 + row] = (double)last[column * 4 + row];
@@ -2392,7 +2399,7 @@ static void dgbi_fill_reprojection(const dgb_context* c, const dgb_params* q, bo
 static bool dgbi_same_result(const dgb_params* a, const dgb_params* b) {
     const float x[] = {a->separation, a->ao_radius, a->ao_bias, a->ao_epsilon, a->ao_intensity, a->radius},
                 y[] = {b->separation, b->ao_radius, b->ao_bias, b->ao_epsilon, b->ao_intensity, b->radius};
-    return memcmp(x, y, sizeof x) == 0 && a->strict_separation == b->strict_separation &&
+    return dgbi_same_bits(x, y, 6) && a->strict_separation == b->strict_separation &&
            a->second_alone == b->second_alone;
 }
 
