@@ -124,7 +124,8 @@ static void point_in(const reference* r, int layer, const int pixel[2], double z
     const double w = p[11] * z + p[15], size[2] = {r->width, r->height};
     int axis;
     for (axis = 0; axis < 2; ++axis) {
-        const double ndc = 2.0 * (pixel[axis] / divisor + 0.5) * divisor / size[axis] - 1.0;
+        const int texel = pixel[axis] / divisor;
+        const double ndc = 2.0 * (texel + 0.5) * divisor / size[axis] - 1.0;
         point[axis] = (ndc * w - p[8 + axis] * z - p[12 + axis]) / p[5 * axis];
     }
     point[2] = z;
