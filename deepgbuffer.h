@@ -640,7 +640,7 @@ typedef struct dgb_pass {
     int x, y;                      /* viewport, pixels of the target */
     float width, height;           /* whole, but for deeper layers of a lower resolution */
     float deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
-    dgb_emission emission;         /* LAYERS */
+    dgb_emission emission;         /* LAYERS, PREDICT */
     dgb_texture key;               /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
     int key_layers;
     bool clear; /* colours to 0, depth to clear_depth */
@@ -2094,7 +2094,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
     pass.emission = draw->emission;
     if (image) {
         pass.key = c->textures[DGB_KEY];
-        pass.key_layers = c->plan.layers - 1;
+        pass.key_layers = b->layers - 1;
     }
     dgbi_begin_pass(c, b->plan_pass, &pass, layer);
     if (b->plan_pass->input_count)
@@ -2107,11 +2107,10 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
 }
 
 static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
-    const bool image_alone = b->emission == DGB_EMISSION_IMAGE && b->plan_pass->id == DGB_PASS_PREDICT;
     dgb_draw draw;
     dgbi_marker(c, b->plan_pass->id, true);
     dgbi_fill_draw(c, b, &draw);
-    if (b->oracle == DGB_ORACLE_PEEL || b->emission == DGB_EMISSION_SEPARATE || image_alone) {
+    if (b->oracle == DGB_ORACLE_PEEL || b->emission == DGB_EMISSION_SEPARATE || b->layers == 1) {
         draw.layer_count = draw.instances = 1;
         for (draw.first_layer = 0; draw.first_layer < b->layers; ++draw.first_layer) dgbi_layer_pass(c, b, &draw);
     } else {
@@ -2129,18 +2128,19 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
     return NULL;
 }
 
-/* IMAGE emission: the depth bits of each deeper layer become its depth. */
-static void dgbi_resolve(const dgb_context* c) {
+/* IMAGE emission: the depth bits of each deeper layer become its depth. Layers that were peeled have it already. */
+static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
     dgb_pass pass;
     dgb_resolve_uniforms uniforms;
     int layer;
+    if (b->emission != DGB_EMISSION_IMAGE || b->oracle == DGB_ORACLE_PEEL || b->layers == 1) return;
     memset(&uniforms, 0, sizeof uniforms);
     dgbi_marker(c, DGB_PASS_RESOLVE, true);
-    for (layer = 1; layer < c->plan.layers; ++layer) {
+    for (layer = 1; layer < b->layers; ++layer) {
         memset(&pass, 0, sizeof pass);
         pass.id = DGB_PASS_RESOLVE;
-        pass.depth.texture = c->textures[DGB_DEPTH];
+        pass.depth.texture = c->textures[b->depth];
         pass.depth.layer = layer;
         pass.width = (float)c->plan.width;
         pass.height = (float)c->plan.height;
@@ -2285,13 +2285,14 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
 
     dgbi_begin(&context->backend);
     dgbi_submit(context, &b);
-    if (context->textures[DGB_KEY].id && !fresh) dgbi_resolve(context);
+    dgbi_resolve(context, &b);
     context->camera = b.camera;
     if (predicts) {
         const dgb_pose drawn = b.pose;
         dgbi_predict_build(context, &submitted, view, fresh, &b);
         b.camera = camera; /* the projection is the submitted one's */
         dgbi_submit(context, &b);
+        dgbi_resolve(context, &b);
         b.pose = drawn;
     }
     dgbi_end(&context->backend);

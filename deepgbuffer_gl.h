@@ -2520,6 +2520,8 @@ static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     }
     dgbgli_bind_image(b, 0, pass->key);
     for (i = 0; i < pass->color_count; ++i) dgbgli_bind_image(b, (unsigned)(1 + i), pass->colors[i].texture);
+    for (; i < DGB_MAX_TARGETS; ++i) /* what the material stores where nothing is kept goes nowhere */
+        b->gl.BindImageTexture((unsigned)(1 + i), 0, 0, DGBGLI_FALSE, 0, DGBGLI_READ_WRITE, DGBGLI_RGBA8);
     b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
 }
 

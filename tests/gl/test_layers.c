@@ -419,7 +419,9 @@ static void test_submissions(void** state) {
                  {DGB_ORACLE_REPROJECT, DGB_EMISSION_INSTANCED_GEOMETRY, 1, 1},
                  {DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE, 1, 1},
                  {DGB_ORACLE_DELAY, DGB_EMISSION_GEOMETRY, 2, 2}, /* once a pose */
-                 {DGB_ORACLE_PREDICT, DGB_EMISSION_INSTANCED_GEOMETRY, 2, 2}};
+                 {DGB_ORACLE_PREDICT, DGB_EMISSION_INSTANCED_GEOMETRY, 2, 2},
+                 {DGB_ORACLE_DELAY, DGB_EMISSION_IMAGE, 2, 2},
+                 {DGB_ORACLE_PREDICT, DGB_EMISSION_IMAGE, 2, 2}};
     size_t i;
     (void)state;
     if (!epoxy_has_gl_extension("GL_ARB_pipeline_statistics_query")) skip();

@@ -288,8 +288,9 @@ static void check_key(const record_backend* r, const dgb_pass* pass) {
         return;
     }
     t = &find_alive(r, pass->key.id, false, "pass_begin")->texture;
-    if (pass->id != DGB_PASS_LAYERS || pass->emission != DGB_EMISSION_IMAGE || t->slot != DGB_KEY ||
-        pass->key_layers != t->layers || pass->depth.layer != 0)
+    /* the prediction has one layer fewer */
+    if ((pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT) || pass->emission != DGB_EMISSION_IMAGE ||
+        t->slot != DGB_KEY || pass->key_layers != t->layers - (pass->id == DGB_PASS_PREDICT) || pass->depth.layer != 0)
         fail_msg("pass %s has %s as key, %d layers of %d", dgb_pass_name(pass->id), dgb_slot_name(t->slot),
                  pass->key_layers, t->layers);
 }
