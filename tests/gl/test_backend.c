@@ -666,7 +666,7 @@ static void test_composite_snippet(void** state) {
     assert_true(length + head + sizeof end < sizeof text);
     assert_int_equal(dgbgl_composite_snippet(text + head, sizeof text - head), length);
     assert_int_equal(strlen(text), length + head);
-    strcat(text, end);
+    memcpy(text + head + length, end, sizeof end);
     program = fullscreen_program(text);
     glGenTextures(1, &target);
     glBindTexture(GL_TEXTURE_2D, target);

@@ -59,8 +59,8 @@ static bench open_bench(int width, int height, int guard) {
     b.guard = guard;
     b.zoom = 1.0;
     b.params = dgb_preset(DGB_PRESET_BALANCED);
-    b.ao = (float*)calloc((size_t)(width * height), sizeof(float));
-    for (l = 0; l < 2; ++l) b.light[l] = (float*)calloc((size_t)(4 * width * height), sizeof(float));
+    b.ao = (float*)calloc((size_t)width * (size_t)height, sizeof(float));
+    for (l = 0; l < 2; ++l) b.light[l] = (float*)calloc((size_t)width * (size_t)height, 4 * sizeof(float));
     return b;
 }
 

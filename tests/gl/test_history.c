@@ -169,7 +169,7 @@ static float* read_image(const dgb_context* c, dgb_slot slot, int level, int cha
 static float* read_layer(const dgb_context* c, dgb_slot slot, int layer, GLenum format, int channels) {
     const int w = c->plan.width, h = c->plan.height, divisor = layer > 0 && c->desc.divisor ? c->desc.divisor : 1;
     float* texels = fixture_read(dgb_get_texture(c, slot), 0, layer, w, h, c->plan.layers, format, channels);
-    float* pixels = (float*)malloc((size_t)(w * h * channels) * sizeof(float));
+    float* pixels = (float*)calloc((size_t)w * (size_t)h, (size_t)channels * sizeof(float));
     int x, y;
     for (y = 0; y < h; ++y)
         for (x = 0; x < w; ++x)

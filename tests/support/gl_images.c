@@ -15,7 +15,8 @@ images images_open(int width, int height) {
     m.height = height;
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer)
-            m.texels[kind][layer] = (float*)calloc((size_t)(width * height * channels_of(kind)), sizeof(float));
+            m.texels[kind][layer] =
+                (float*)calloc((size_t)width * (size_t)height * (size_t)channels_of(kind), sizeof(float));
     glGenTextures(2 * IMAGE_KINDS, m.textures[0]);
     return m;
 }

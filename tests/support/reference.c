@@ -472,7 +472,8 @@ static past past_of(const reference* r, const reference_last* last, const dgb_pa
     p.tolerance = -1.0;
     past_point(r, last, layer, here, &p);
     for (axis = 0; axis < 2; ++axis) {
-        const float centre = ((float)(here->pixel[axis] / divisor) + 0.5f) * (float)divisor;
+        const int texel = here->pixel[axis] / divisor;
+        const float centre = ((float)texel + 0.5f) * (float)divisor;
         p.pixel[axis] = last->still ? centre : centre - velocity[axis];
         usable = usable && p.pixel[axis] >= (float)last->rect[axis] &&
                  p.pixel[axis] < (float)(last->rect[2 + axis] + 1); /* and not NaN */
@@ -511,7 +512,8 @@ static range past_error(const reference* r, const reference_last* last, const pa
         return own;
     }
     for (axis = 0; axis < 2; ++axis) { /* the ray: (ray_z, 1) z + (ray_1, 0) */
-        const double ndc = 2.0 * (texel[axis] / divisor + 0.5) * divisor / size[axis] - 1.0;
+        const int shown = texel[axis] / divisor;
+        const double ndc = 2.0 * (shown + 0.5) * divisor / size[axis] - 1.0;
         const double ray_z = (ndc * m[11] - m[8 + axis]) / m[5 * axis];
         const double ray_1 = (ndc * m[15] - m[12 + axis]) / m[5 * axis];
         start += p->normal[axis] * (p->point[axis] - ray_1);
