@@ -118,8 +118,8 @@
        frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
-       Confidence is the share of taps that found a sender. Both filters weigh light by it: a pixel whose taps found nothing
-       says nothing.
+       Confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
+       whose taps found nothing says nothing.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from

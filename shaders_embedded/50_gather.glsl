@@ -92,9 +92,15 @@ dgb_sender dgb_sender_at(vec2 pixel, float z, vec2 normal, vec3 radiance, float 
     return s;
 }
 
-vec4 dgb_irradiance(dgb_receiver r, int taps) {
+// Pixels that the radius covers at z.
+float dgb_reach(float z) {
+    return min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
+}
+
+// taps: that lie within the receiver's own reach.
+vec4 dgb_irradiance(dgb_receiver r, float taps) {
     vec3 irradiance = r.light * dgb_gather_scale(r.cosines, r.senders, dgb_gather_radius.z);
-    return vec4(dgb_storable(irradiance), taps > 0 ? r.useful_taps / float(taps) : 0.0);
+    return vec4(dgb_storable(irradiance), taps > 0.0 ? min(r.useful_taps / taps, 1.0) : 0.0);
 }
 
 struct dgb_shaded {
@@ -134,7 +140,7 @@ void main() {
     vec2         z       = texelFetch(dgb_z, s.pixel, 0).xy;
     vec4         normals = texelFetch(dgb_normals, s.pixel, 0);
     dgb_receiver r0      = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy), r1 = r0;
-    s.reach              = min(dgb_pixels_per_metre(z.x, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
+    s.reach              = dgb_reach(z.x);
     s.rotation           = dgb_rotation(s.pixel, dgb_gather_size.w);
     int taps             = z.x > DGB_EMPTY_Z && s.reach > 0.0 ? dgb_gather_size.z : 0;
 #if DGB_LAYERS > 1
@@ -151,8 +157,10 @@ void main() {
 #else
     for (int i = 0; i < taps; ++i) dgb_gather_tap(i, s, false, false, r0, r1);
 #endif
-    dgb_out_irradiance = dgb_irradiance(r0, taps);
+    dgb_out_irradiance = dgb_irradiance(r0, float(taps));
 #if DGB_DEEP
-    dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, taps) : vec4(0.0);
+    // taps go out evenly; those beyond the second layer's reach, which is shorter, could not have found anything for it
+    float within        = float(taps) * dgb_reach(z.y) / s.reach;
+    dgb_out_irradiance1 = taps > 0 && z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, max(within, 1.0)) : vec4(0.0);
 #endif
 }

@@ -346,6 +346,8 @@ static void add_tap(gathered* g, const sender* senders, int layers, dgb_senders 
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
+static double smaller(double a, double b) { return a < b ? a : b; }
+
 /* E = pi sum(B cos) / max(k sum(cos), M / 2): lowest with every doubtful sender counted, highest with
    none. */
 static void normalise(const gathered* g, const dgb_params* q, dgb_normaliser normaliser, reference_light* e) {
@@ -387,6 +389,12 @@ reference_light reference_irradiance(const reference* r, const dgb_params* q, dg
         add_tap(&g, under, r->layers, senders);
     }
     normalise(&g, q, normaliser, &e);
+    if (layer == 1) { /* of the taps within its own reach, which is shorter than the first layer's */
+        const double share = (double)reach_of(r, z, q->radius) / (double)reach;
+        const double within = larger(share * q->samples, 1.0), rounding = 8.0 * REFERENCE_EPSILON;
+        e.low_confidence = smaller(e.low_confidence * q->samples / within, 1.0) * (1.0 - rounding);
+        e.high_confidence = smaller(e.high_confidence * q->samples / within, 1.0) * (1.0 + rounding);
+    }
     return e;
 }
 
