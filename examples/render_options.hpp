@@ -468,7 +468,10 @@ inline void check_together(const Options& options) {
                                              [&](const DumpKind& k) { return dump.name == k.name; });
         require(options.layers >= kind.layers, "--dump", dump.name + " needs --layers 2");
         require((options.effects & kind.effects) == kind.effects, "--dump",
-                dump.name + " needs --effects " + (kind.effects == DGB_EFFECT_AO ? "ao" : "gi"));
+                dump.name + " needs --effects " +
+                    (kind.effects == DGB_EFFECT_AO          ? "ao"
+                     : kind.effects == DGB_EFFECT_RADIOSITY ? "gi"
+                                                            : "reflect"));
     }
 }
 
