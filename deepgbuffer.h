@@ -743,7 +743,7 @@ typedef struct dgb_temporal_uniforms {
 
 typedef struct dgb_reflect_uniforms {
     dgb_camera camera;
-    int32_t size[4]; /* buffer width and height, most steps, frame */
+    int32_t size[4]; /* buffer width and height, most steps */
     float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
     float fade[4];   /* width of the border (pixels) */
 } dgb_reflect_uniforms;

@@ -4,7 +4,7 @@
 
 layout(std140) uniform dgb_reflect_block {
     dgb_camera dgb_reflect_camera;
-    ivec4      dgb_reflect_size; // buffer width, height, most steps, frame
+    ivec4      dgb_reflect_size; // buffer width, height, most steps
     vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)
     vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)
 };
@@ -68,7 +68,8 @@ dgb_ray dgb_ray_of(vec3 from, vec3 n, vec3 direction) {
     // a ray in the plane of its surface, within the error of an Oct16 normal, is none; NaN is neither
     bool  valid  = reach > 0.0 && pixels < 1e6 && dot(direction, n) > DGB_MIN_COSINE;
     ray.step     = valid && pixels > 0.0 ? dgb_reflect_ray.z / pixels : 1.0;
-    ray.steps    = valid ? min(int(ceil(1.0 / ray.step)), dgb_reflect_size.z) : 0;
+    // the first step is a part of one, so that it takes one more to reach the end
+    ray.steps    = valid ? min(int(ceil(1.0 / ray.step)) + 1, dgb_reflect_size.z) : 0;
     return ray;
 }
 
@@ -89,7 +90,7 @@ struct dgb_hit {
     int   layer; // -1: none
     float s;     // share of the way
     ivec2 texel;
-    float depth; // behind the surface, as a share of the thickness
+    float depth; // behind the surface when the ray came there, as a share of the thickness; 0: it came from before it
 };
 
 // How thick the surfaces of a texel are taken to be: the first no thicker than the way to the second.
@@ -102,7 +103,7 @@ vec2 dgb_thickness(vec2 zs) {
 }
 
 dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
-    float   z = dgb_ray_z(ray, s);
+    float   z = dgb_ray_z(ray, s), nearest = max(z, z_before);
     dgb_hit hit;
     hit.s     = s;
     hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);
@@ -112,34 +113,35 @@ dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
     second = dgb_is_behind(z, z_before, zs.y, thickness.y) && dgb_is_above(dgb_centre(1, hit.texel), zs.y, ray);
 #endif
     hit.layer = first ? 0 : second ? 1 : -1;
-    hit.depth = first ? (zs.x - z) / thickness.x : (zs.y - z) / thickness.y;
+    hit.depth = max(first ? (zs.x - nearest) / thickness.x : (zs.y - nearest) / thickness.y, 0.0);
     return hit;
+}
+
+// Halves the step from `before`, so that a hit of a long step lies where the ray first meets the surface. What is left of the
+// step must meet it too: past an edge, a ray may come to lie far behind a surface that it never was before.
+dgb_hit dgb_refined(dgb_hit hit, dgb_ray ray, float before) {
+    for (int i = 0; i < DGB_REFLECT_HALVINGS; ++i) {
+        dgb_hit middle = dgb_hit_at(ray, 0.5 * (before + hit.s), dgb_ray_z(ray, before));
+        if (middle.layer == hit.layer) hit = middle;
+        else before = middle.s;
+    }
+    return dgb_hit_at(ray, hit.s, dgb_ray_z(ray, before));
 }
 
 // The first hit, after the shaded pixel itself.
 dgb_hit dgb_march(dgb_ray ray, ivec2 origin, float jitter) {
-    float   z_before = dgb_ray_z(ray, 0.0), s = 0.0;
+    float   s = 0.0, z = dgb_ray_z(ray, 0.0);
     dgb_hit hit;
     hit.layer = -1;
     hit.s     = hit.depth = 0.0;
     hit.texel = origin;
     for (int i = 0; i < (hit.layer < 0 ? ray.steps : 0); ++i) {
+        float before = s;
         s   = min((float(i) + jitter) * ray.step, 1.0);
-        hit = dgb_hit_at(ray, s, z_before);
+        hit = dgb_hit_at(ray, s, z);
+        if (hit.layer >= 0) hit = dgb_refined(hit, ray, before);
         if (hit.texel == origin) hit.layer = -1;
-        z_before = dgb_ray_z(ray, s);
-    }
-    return hit;
-}
-
-// Halves the last step, so that a hit of a long step lies where the ray first meets the surface.
-dgb_hit dgb_refined(dgb_hit hit, dgb_ray ray, ivec2 origin) {
-    float before = max(hit.s - ray.step, 0.0);
-    for (int i = 0; i < (hit.layer < 0 ? 0 : DGB_REFLECT_HALVINGS); ++i) {
-        dgb_hit middle = dgb_hit_at(ray, 0.5 * (before + hit.s), dgb_ray_z(ray, before));
-        bool    nearer = middle.layer == hit.layer && middle.texel != origin;
-        before         = nearer ? before : middle.s;
-        if (nearer) hit = middle;
+        z = dgb_ray_z(ray, s);
     }
     return hit;
 }
@@ -160,15 +162,15 @@ void main() {
     vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
     bool  perspective = dgb_reflect_camera.footprint.y != 0.0;
     vec3  view   = perspective ? normalize(x) : vec3(0.0, 0.0, -1.0);
-    float jitter = (float(dgb_pixel_hash(pixel, dgb_reflect_size.w)) + 0.5) / 256.0;
+    float jitter = (float(dgb_pixel_hash(pixel, 0)) + 0.5) / 256.0; // nothing averages the frames: always the same
     dgb_ray ray  = dgb_ray_of(x, n, reflect(view, n));
     // a surface that faces away has no mirror
     if (!(z > DGB_EMPTY_Z && dot(view, n) < 0.0)) ray.steps = 0;
-    dgb_hit hit  = dgb_refined(dgb_march(ray, pixel, jitter), ray, pixel);
+    dgb_hit hit  = dgb_march(ray, pixel, jitter);
 
-    vec4 normals = texelFetch(dgb_normals, max(hit.texel, ivec2(0)), 0);
-    vec3 light   = texelFetch(dgb_b0, max(hit.texel, ivec2(0)), 0).rgb;
-    vec2 zs      = texelFetch(dgb_z, max(hit.texel, ivec2(0)), 0).xy;
+    vec4 normals = texelFetch(dgb_normals, hit.texel, 0);
+    vec3 light   = texelFetch(dgb_b0, hit.texel, 0).rgb;
+    vec2 zs      = texelFetch(dgb_z, hit.texel, 0).xy;
     bool second  = false;
 #if DGB_LAYERS > 1
     second = hit.layer == 1;
