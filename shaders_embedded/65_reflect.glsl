@@ -65,8 +65,8 @@ dgb_ray dgb_ray_of(vec3 from, vec3 n, vec3 direction) {
     ray.pixels *= inside;
     ray.depths *= inside;
     float pixels = max(abs(ray.pixels.x), abs(ray.pixels.y));
-    // a ray in the plane of its surface, within the error of an Oct16 normal, is none; NaN is neither
-    bool  valid  = reach > 0.0 && pixels < 1e6 && dot(direction, n) > DGB_MIN_COSINE;
+    // a ray in the plane of its surface, within the error of an Oct16 normal, or behind it is none, and NaN is no ray either
+    bool  valid  = from.z > DGB_EMPTY_Z && reach > 0.0 && pixels < 1e6 && dot(direction, n) > DGB_MIN_COSINE;
     ray.step     = valid && pixels > 0.0 ? dgb_reflect_ray.z / pixels : 1.0;
     // the first step is a part of one, so that it takes one more to reach the end
     ray.steps    = valid ? min(int(ceil(1.0 / ray.step)) + 1, dgb_reflect_size.z) : 0;
@@ -78,7 +78,8 @@ bool dgb_is_behind(float z, float z_before, float surface, float thickness) {
     return surface > DGB_EMPTY_Z && z <= surface && max(z, z_before) >= surface - thickness;
 }
 
-// Whether the ray's own surface could not reach there: else a flat mirror sees itself in stripes.
+// Whether the ray's own surface could not reach there: else a flat mirror sees itself in stripes. The shaded pixel itself never
+// is above, on either layer.
 bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {
     vec3 v = dgb_position(pixel, z, dgb_reflect_camera) - ray.x;
     return dot(v, ray.n) > DGB_MIN_COSINE * length(v);
@@ -122,25 +123,24 @@ dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
 dgb_hit dgb_refined(dgb_hit hit, dgb_ray ray, float before) {
     for (int i = 0; i < DGB_REFLECT_HALVINGS; ++i) {
         dgb_hit middle = dgb_hit_at(ray, 0.5 * (before + hit.s), dgb_ray_z(ray, before));
-        if (middle.layer == hit.layer) hit = middle;
+        if (middle.layer >= 0) hit = middle; // on whichever layer
         else before = middle.s;
     }
     return dgb_hit_at(ray, hit.s, dgb_ray_z(ray, before));
 }
 
-// The first hit, after the shaded pixel itself.
-dgb_hit dgb_march(dgb_ray ray, ivec2 origin, float jitter) {
+// The first hit.
+dgb_hit dgb_march(dgb_ray ray, float jitter) {
     float   s = 0.0, z = dgb_ray_z(ray, 0.0);
     dgb_hit hit;
     hit.layer = -1;
     hit.s     = hit.depth = 0.0;
-    hit.texel = origin;
+    hit.texel = ivec2(0);
     for (int i = 0; i < (hit.layer < 0 ? ray.steps : 0); ++i) {
         float before = s;
         s   = min((float(i) + jitter) * ray.step, 1.0);
         hit = dgb_hit_at(ray, s, z);
         if (hit.layer >= 0) hit = dgb_refined(hit, ray, before);
-        if (hit.texel == origin) hit.layer = -1;
         z = dgb_ray_z(ray, s);
     }
     return hit;
@@ -164,9 +164,7 @@ void main() {
     vec3  view   = perspective ? normalize(x) : vec3(0.0, 0.0, -1.0);
     float jitter = (float(dgb_pixel_hash(pixel, 0)) + 0.5) / 256.0; // nothing averages the frames: always the same
     dgb_ray ray  = dgb_ray_of(x, n, reflect(view, n));
-    // a surface that faces away has no mirror
-    if (!(z > DGB_EMPTY_Z && dot(view, n) < 0.0)) ray.steps = 0;
-    dgb_hit hit  = dgb_march(ray, pixel, jitter);
+    dgb_hit hit  = dgb_march(ray, jitter);
 
     vec4 normals = texelFetch(dgb_normals, hit.texel, 0);
     vec3 light   = texelFetch(dgb_b0, hit.texel, 0).rgb;
