@@ -330,6 +330,9 @@ static void test_mirror(void** state) {
     floor = plane_of(-5.0, 20.0, 7.0); /* a normal that no 16 bits hold */
     misses += check_mirror(&plain, floor, wall);
     misses += check_mirror(&guarded, floor, wall);
+    floor = plane_of(-20.0, 4.0, 8.0),
+    wall = plane_of(-12.0, 90.0, 0.0); /* the same, grazing: the error of the normal is a good part of the angle */
+    misses += check_mirror(&guarded, floor, wall);
     floor = plane_of(-12.0, 30.0, 0.0), wall = plane_of(-15.0, 80.0, 10.0);
     misses += check_mirror(&flat, floor, wall);
     misses += check_mirror(&flat_guarded, floor, wall);
