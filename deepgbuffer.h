@@ -260,6 +260,8 @@ typedef enum dgb_result {
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
     X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
     X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
+    X(REFLECT_PARAMS,                                                                                            \
+      "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
     X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                           \
     X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")          \
     X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
@@ -284,7 +286,8 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_AO = 1,        /* ambient occlusion: DGB_AO */
        DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
-       DGB_EFFECT_TEMPORAL = 8   /* with AO or RADIOSITY: averages them over frames */
+       DGB_EFFECT_TEMPORAL = 8,  /* with AO or RADIOSITY: averages them over frames */
+       DGB_EFFECT_REFLECT = 16   /* mirror reflections: DGB_REFLECTION */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -414,9 +417,12 @@ typedef enum dgb_format {
     X(DGB_AO_HALF, "ao_half")                                                                                            \
     X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
     X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
-    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
-    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
-    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */
+    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
+    X(DGB_REFLECTION,                                                                                                    \
+      "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
+    X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */                  \
+    X(DGB_IRRADIANCE1, "irradiance1")       /* of layer 1, which you cannot see: light for the next bounce */
 
 typedef enum dgb_slot {
     DGB_SLOT_NONE = 0,
@@ -437,6 +443,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_GATHER,
     DGB_PASS_TEMPORAL,
     DGB_PASS_RECONSTRUCT,
+    DGB_PASS_REFLECT,
     DGB_PASS_COUNT
 } dgb_pass_id;
 
@@ -572,6 +579,12 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
 
     bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
     bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
+
+    float reflect_distance;  /* longest reflected ray, m */
+    float reflect_thickness; /* how far behind its surface an object still stops a ray, m */
+    int reflect_steps;       /* most steps of a ray, 1..4096 */
+    int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
+    float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
 
     int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
     int filter_step;        /* pixels from tap to tap, 1..8 */
@@ -727,6 +740,13 @@ typedef struct dgb_temporal_uniforms {
     float weight[4]; /* x: of history */
     dgb_reprojection past;
 } dgb_temporal_uniforms;
+
+typedef struct dgb_reflect_uniforms {
+    dgb_camera camera;
+    int32_t size[4]; /* buffer width and height, most steps */
+    float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
+    float fade[4];   /* width of the border (pixels) */
+} dgb_reflect_uniforms;
 
 typedef struct dgb_reconstruct_uniforms {
     dgb_camera camera;
@@ -1304,6 +1324,11 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.history_weight = 0.85f;
     p.history_tolerance = 0.005f;
     p.history_floor = 0.01f;
+    p.reflect_distance = 30.0f;
+    p.reflect_thickness = 0.5f;
+    p.reflect_steps = 256;
+    p.reflect_stride = 2;
+    p.reflect_border = 32.0f;
     p.adaptive = true;
     p.filter_taps = table[row].filter_taps;
     p.filter_step = 1;
@@ -1333,6 +1358,10 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
     if (!dgbi_at_least(p->history_weight, 0.0f) || p->history_weight > 0.999f ||
         !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f))
         return DGB_LOG_HISTORY_PARAMS;
+    if (!dgbi_is_radius(p->reflect_distance) || !dgbi_is_radius(p->reflect_thickness) ||
+        !dgbi_in_range(p->reflect_steps, 1, 4096) || !dgbi_in_range(p->reflect_stride, 1, 64) ||
+        !dgbi_at_least(p->reflect_border, 0.0f))
+        return DGB_LOG_REFLECT_PARAMS;
     if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
         return DGB_LOG_MIP_PARAMS;
     if (!dgbi_in_range(p->filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1) || p->filter_taps % 2 == 0 ||
@@ -1364,8 +1393,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict", "pack",     "mip",
-                                        "tiles",  "ao",      "gather",  "temporal", "reconstruct"};
+    static const char* const names[] = {"layers", "resolve", "predict",  "pack",        "mip",    "tiles",
+                                        "ao",     "gather",  "temporal", "reconstruct", "reflect"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1405,14 +1434,15 @@ static dgb_result dgbi_fail(const dgb_desc* desc, dgb_result result, dgb_log_ite
 static uint32_t dgbi_required_targets(uint32_t effects) {
     uint32_t targets = 0;
     if (effects) targets |= DGB_TARGET_NORMAL;
-    if (effects & DGB_EFFECT_RADIOSITY) targets |= DGB_TARGET_RADIANCE;
+    if (effects & (DGB_EFFECT_RADIOSITY | DGB_EFFECT_REFLECT)) targets |= DGB_TARGET_RADIANCE;
     if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_ALBEDO | DGB_TARGET_VELOCITY;
     if (effects & DGB_EFFECT_TEMPORAL) targets |= DGB_TARGET_VELOCITY;
     return targets;
 }
 
 static bool dgbi_effects_ok(uint32_t effects) {
-    const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
+    const uint32_t all =
+        DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT;
     if (effects & ~all) return false;
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY));
@@ -1600,8 +1630,10 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
 /* What the shading wants, besides what every desc has. */
 typedef struct dgbi_wants {
     int layers; /* shaded */
-    bool ao, light, bounces, temporal;
-    bool deep; /* the second layer receives light as well */
+    bool ao, light, bounces, temporal, reflect;
+    bool spiral;   /* something takes spiral taps: occlusion or light */
+    bool radiance; /* is packed */
+    bool deep;     /* the second layer receives light as well */
 } dgbi_wants;
 
 static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
@@ -1611,6 +1643,9 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     w.light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
     w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
     w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
+    w.reflect = (d->effects & DGB_EFFECT_REFLECT) != 0;
+    w.spiral = w.ao || w.light;
+    w.radiance = w.light || w.reflect;
     w.deep = w.bounces && w.layers > 1;
     return w;
 }
@@ -1636,7 +1671,7 @@ static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_pl
     dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
     if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
         dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
-    if (w->light) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
+    if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
     if (!w->bounces) return;
     dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
     dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
@@ -1653,18 +1688,19 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_NORMALS_FORMAT",
                     d->source == DGB_SOURCE_ENGINE ? (int)d->normals : (int)DGB_NORMALS_OCT16);
-    dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
+    dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->radiance);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
-    dgbi_add_texture(plan, DGB_Z, z, 0, plan->levels);
+    dgbi_add_texture(plan, DGB_Z, z, 0, w->spiral ? plan->levels : 1);
     if (w->bounces || w->temporal) dgbi_add_texture(plan, DGB_LAST_Z, z, 0, plan->levels); /* takes turns with z */
     dgbi_add_texture(plan, DGB_NORMALS, w->layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0,
                      w->light ? plan->levels : 1);
-    if (w->light) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, plan->levels);
-    if (w->light && w->layers > 1) dgbi_add_texture(plan, DGB_B1, DGB_FORMAT_R11G11B10F, 0, plan->levels);
+    if (w->radiance) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, w->light ? plan->levels : 1);
+    if (w->radiance && w->layers > 1)
+        dgbi_add_texture(plan, DGB_B1, DGB_FORMAT_R11G11B10F, 0, w->light ? plan->levels : 1);
     dgbi_plan_pack_inputs(d, w, pass);
-    dgbi_add_packed_outputs(pass, true, w->light, w->layers);
+    dgbi_add_packed_outputs(pass, true, w->radiance, w->layers);
 }
 
 /* Occlusion taps read z alone; radiosity reads everything at every level. */
@@ -1802,6 +1838,21 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_pl
     }
 }
 
+static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_REFLECT, 0, program);
+    dgbi_add_define(plan, "DGB_LAYERS", w->layers);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_texture(plan, DGB_REFLECTION_HIT, DGB_FORMAT_RG16F, 0, 1);
+    dgbi_add_input(pass, DGB_Z);
+    dgbi_add_input(pass, DGB_NORMALS);
+    dgbi_add_input(pass, DGB_B0);
+    if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
+    dgbi_add_output(pass, DGB_REFLECTION);
+    dgbi_add_output(pass, DGB_REFLECTION_HIT);
+}
+
 static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     const dgbi_wants wants = dgbi_wants_of(d);
     memset(plan, 0, sizeof *plan);
@@ -1813,14 +1864,15 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     plan->emission = d->emission;
     if (d->source == DGB_SOURCE_BUILD) dgbi_plan_layers(d, plan);
     if (!d->effects) return;
-    dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
+    if (wants.spiral) dgbi_add_texture(plan, DGB_ROTATIONS, DGB_FORMAT_RG32F, 0, 1);
     dgbi_plan_pack(d, &wants, plan);
-    dgbi_plan_mip(&wants, plan);
-    if (wants.layers > 1) dgbi_plan_tiles(plan);
+    if (wants.spiral) dgbi_plan_mip(&wants, plan);
+    if (wants.spiral && wants.layers > 1) dgbi_plan_tiles(plan);
     if (wants.ao) dgbi_plan_ao(d, &wants, plan);
     if (wants.light) dgbi_plan_gather(d, &wants, plan);
     if (wants.temporal) dgbi_plan_temporal(d, &wants, plan);
-    dgbi_plan_reconstruct(d, &wants, plan);
+    if (wants.spiral) dgbi_plan_reconstruct(d, &wants, plan);
+    if (wants.reflect) dgbi_plan_reflect(d, &wants, plan);
 }
 
 DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan) {
@@ -2516,6 +2568,19 @@ static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q,
     dgbi_filter_weights(q->filter_taps / 2, u->weights);
 }
 
+static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb_reflect_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    u->size[0] = c->plan.width;
+    u->size[1] = c->plan.height;
+    u->size[2] = q->reflect_steps;
+    u->ray[0] = q->reflect_distance;
+    u->ray[1] = q->reflect_thickness;
+    u->ray[2] = (float)q->reflect_stride;
+    u->ray[3] = dgb_linear_z(1.0f - dgbi_clear_depth(c->desc.reversed), &c->camera);
+    u->fade[0] = q->reflect_border;
+}
+
 static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
     union {
         dgb_pack_uniforms pack;
@@ -2524,6 +2589,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         dgb_gather_uniforms gather;
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
+        dgb_reflect_uniforms reflect;
     } u;
     size_t size = 0;
     switch (pass->id) {
@@ -2538,6 +2604,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_RECONSTRUCT:
         dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct;
         break;
+    case DGB_PASS_REFLECT: dgbi_reflect_uniforms(c, q, &u.reflect), size = sizeof u.reflect; break;
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:
@@ -2556,6 +2623,10 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     } else if (pass->id == DGB_PASS_TILES) {
         rect[0] = rect[1] = 0;
         dgbi_texture_size(&c->plan, pass->outputs[0], rect + 2);
+    } else if (pass->id == DGB_PASS_REFLECT) { /* nothing reads it in the guard band */
+        rect[0] = rect[1] = c->desc.guard_band;
+        rect[2] = c->desc.width;
+        rect[3] = c->desc.height;
     } else {
         dgbi_shaded_rect(c, q, rect);
     }

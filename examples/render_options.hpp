@@ -43,6 +43,10 @@ inline const DumpKind kDumpKinds[] = {
     {"confidence1", 2, DGB_EFFECT_RADIOSITY},
     {"history0", 1, DGB_EFFECT_RADIOSITY},
     {"history1", 2, DGB_EFFECT_RADIOSITY},
+    {"reflection", 1, DGB_EFFECT_REFLECT},
+    {"reflect_confidence", 1, DGB_EFFECT_REFLECT},
+    {"reflect_layer", 1, DGB_EFFECT_REFLECT},
+    {"reflect_length", 1, DGB_EFFECT_REFLECT},
     {"final", 1, 0},
 };
 
@@ -211,10 +215,14 @@ inline void parse_effects(const std::string& text, Options* options) {
     options->effects = 0;
     if (text == "none") { return; }
     for (const std::string& word : split(text, ',')) {
-        require(word == "ao" || word == "gi", "--effects", "must be none or a comma list of ao and gi");
-        options->effects |= word == "ao" ? DGB_EFFECT_AO : DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES;
+        require(word == "ao" || word == "gi" || word == "reflect", "--effects",
+                "must be none or a comma list of ao, gi and reflect");
+        options->effects |= word == "ao"   ? DGB_EFFECT_AO
+                            : word == "gi" ? DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES
+                                           : DGB_EFFECT_REFLECT;
     }
-    options->effects |= DGB_EFFECT_TEMPORAL;
+    const bool averaged = (options->effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) != 0;
+    options->effects |= averaged ? DGB_EFFECT_TEMPORAL : 0;
 }
 
 inline void parse_camera(const std::string& text, Options* options) {
@@ -376,7 +384,7 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
 inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
-        "none, or a comma list of ao and gi (default ao,gi)");
+        "none, or a comma list of ao, gi and reflect (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -460,7 +468,10 @@ inline void check_together(const Options& options) {
                                              [&](const DumpKind& k) { return dump.name == k.name; });
         require(options.layers >= kind.layers, "--dump", dump.name + " needs --layers 2");
         require((options.effects & kind.effects) == kind.effects, "--dump",
-                dump.name + " needs --effects " + (kind.effects == DGB_EFFECT_AO ? "ao" : "gi"));
+                dump.name + " needs --effects " +
+                    (kind.effects == DGB_EFFECT_AO          ? "ao"
+                     : kind.effects == DGB_EFFECT_RADIOSITY ? "gi"
+                                                            : "reflect"));
     }
 }
 

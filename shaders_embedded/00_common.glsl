@@ -81,6 +81,12 @@ vec3 dgb_position(vec2 pixel, float z, dgb_camera camera) {
     return vec3((pixel * a.xy + a.zw) * z + (pixel * b.xy + b.zw), z);
 }
 
+// Pixel position of a camera-space point.
+vec2 dgb_project(vec3 point, dgb_camera camera) {
+    vec4 a = camera.position_z, b = camera.position_1;
+    return (point.xy - a.zw * point.z - b.zw) / (a.xy * point.z + b.xy);
+}
+
 #ifdef DGB_DIVISOR
 // Where in the image the texel of a layer lies that a pixel shows: deeper layers may have a lower resolution.
 vec2 dgb_centre(int layer, ivec2 pixel) {

@@ -23,11 +23,6 @@ struct dgb_past {
     float tolerance; // how far from it a texel may be and still show it, m; -1: there is no such frame or no such place
 };
 
-vec2 dgb_project(vec3 point, dgb_camera camera) {
-    vec4 a = camera.position_z, b = camera.position_1;
-    return (point.xy - a.zw * point.z - b.zw) / (a.xy * point.z + b.xy);
-}
-
 // velocity: pixels since last frame, and metres of z by which the object itself moved, where the engine says so. Where it does
 // not, nobody knows how far an object came nearer: as far, it is assumed, as it moved across.
 dgb_past dgb_past_of(vec2 pixel, vec3 x, vec3 n, vec3 velocity, dgb_reprojection r) {

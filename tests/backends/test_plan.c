@@ -12,24 +12,19 @@
 #include <limits.h>
 #include <string.h>
 
-#define ALL_EFFECTS (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+#define ALL_EFFECTS \
+    (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
 
-static const char* const effect_names[ALL_EFFECTS + 1] = {"none",
-                                                          "ao",
-                                                          "radiosity",
-                                                          "ao+radiosity",
-                                                          "bounces",
-                                                          "ao+bounces",
-                                                          "radiosity+bounces",
-                                                          "ao+radiosity+bounces",
-                                                          "temporal",
-                                                          "ao+temporal",
-                                                          "radiosity+temporal",
-                                                          "ao+radiosity+temporal",
-                                                          "bounces+temporal",
-                                                          "ao+bounces+temporal",
-                                                          "radiosity+bounces+temporal",
-                                                          "ao+radiosity+bounces+temporal"};
+/* Good until the next call. */
+static const char* effect_name(uint32_t effects) {
+    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
+    static char name[64];
+    int i;
+    name[0] = 0;
+    for (i = 0; i < 5; ++i)
+        if (effects >> i & 1u) strcat(strcat(name, name[0] ? "+" : ""), words[i]);
+    return effects ? name : "none";
+}
 static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
 
 /* To the last bit: what == says of floats and padding is not the question. */
@@ -110,7 +105,7 @@ static void print_built_section(record_text* text, int layers, uint32_t effects,
     record_text first = {0}, other = {0};
     dgb_desc d = small_desc(layers, effects);
     dgb_emission emission = DGB_EMISSION_AUTO;
-    record_printf(text, "== built, effects %s, layers %d, oracle %s\nemission", effect_names[effects], layers,
+    record_printf(text, "== built, effects %s, layers %d, oracle %s\nemission", effect_name(effects), layers,
                   dgb_oracle_name(oracle));
     d.oracle = oracle;
     for (; emission < DGB_EMISSION_COUNT; emission = (dgb_emission)(emission + 1)) {
@@ -146,7 +141,7 @@ static void print_engine_section(record_text* text, int layers, uint32_t effects
     d.normals = normals;
     plan = make_plan(&d);
     assert_int_equal(plan.oracle, DGB_ORACLE_DEFAULT); /* there is nothing to build */
-    record_printf(text, "== engine's own, effects %s, layers %d, normals %s\n", effect_names[effects], layers,
+    record_printf(text, "== engine's own, effects %s, layers %d, normals %s\n", effect_name(effects), layers,
                   normals_names[normals]);
     if (normals == DGB_NORMALS_FROM_DEPTH) {
         print_plan(text, &plan);
@@ -176,9 +171,15 @@ static void test_golden_plans(void** state) {
         for (layers = 1; layers <= 2; ++layers)
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals)
                 print_engine_section(&text, layers, effects, (dgb_normals)normals);
-    for (effects = 4; effects <= ALL_EFFECTS; ++effects)
+    for (effects = 4; effects < DGB_EFFECT_REFLECT; ++effects)
         for (layers = 1; layers <= 2 && makes_sense(effects); ++layers)
             print_built_section(&text, layers, effects, DGB_ORACLE_PEEL);
+    for (layers = 1; layers <= 2; ++layers) { /* reflections add a pass, and radiance where nothing else packs it */
+        print_built_section(&text, layers, DGB_EFFECT_REFLECT, DGB_ORACLE_PEEL);
+        print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_AO, DGB_ORACLE_PEEL);
+        print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
+        print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
+    }
     print_engine_section(&text, 1, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
@@ -305,19 +306,29 @@ static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
 
 static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
     static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
-    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_B0};
-    static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS, DGB_ROTATIONS};
+    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
+    static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS};
     const bool ao = desc->effects & DGB_EFFECT_AO, light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0;
+    const bool reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0, spiral = ao || light;
     size_t i;
     for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
-    for (i = 0; i < 4; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, ao || light);
-    assert_int_equal(find_texture(plan, DGB_B1) != NULL, light && plan->layers > 1);
+    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, desc->effects != 0);
+    assert_int_equal(find_texture(plan, DGB_ROTATIONS) != NULL, spiral);
+    assert_int_equal(find_texture(plan, DGB_B0) != NULL, light || reflect);
+    assert_int_equal(find_texture(plan, DGB_B1) != NULL, (light || reflect) && plan->layers > 1);
+    /* a ray is marched at full resolution */
+    if (desc->effects) assert_int_equal(find_texture(plan, DGB_Z)->levels, spiral ? plan->levels : 1);
+    if (reflect && !light) assert_int_equal(find_texture(plan, DGB_B0)->levels, 1);
+    check_texture(plan, DGB_REFLECTION, reflect, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_REFLECTION_HIT, reflect, DGB_FORMAT_RG16F);
     check_stage(plan, DGB_PASS_AO, ao);
     check_stage(plan, DGB_PASS_GATHER, light);
-    check_stage(plan, DGB_PASS_PACK, ao || light);
-    check_stage(plan, DGB_PASS_MIP, ao || light);
-    check_stage(plan, DGB_PASS_RECONSTRUCT, ao || light);
+    check_stage(plan, DGB_PASS_PACK, desc->effects != 0);
+    check_stage(plan, DGB_PASS_MIP, spiral);
+    check_stage(plan, DGB_PASS_TILES, spiral && plan->layers > 1);
+    check_stage(plan, DGB_PASS_RECONSTRUCT, spiral);
+    check_stage(plan, DGB_PASS_REFLECT, reflect);
     check_history(desc, plan);
     assert_int_equal(has_pass(plan, DGB_PASS_LAYERS), desc->source == DGB_SOURCE_BUILD);
     assert_false(has_program(plan, DGB_PASS_LAYERS)); /* the engine's programs draw it */
@@ -752,7 +763,7 @@ static const struct {
      {SIZE, .effects = DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL},
      DGB_INVALID,
      DGB_LOG_EFFECTS},
-    {"effect 16", {SIZE, .effects = 16 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"effect 32", {SIZE, .effects = 32 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"bounces, no albedo",
      {SIZE, .effects = 2 | DGB_EFFECT_BOUNCES, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
      DGB_INVALID,
@@ -767,6 +778,14 @@ static const struct {
      DGB_LOG_TARGETS},
     {"temporal filter of light, no velocity",
      {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"temporal filter of reflections",
+     {SIZE, .effects = DGB_EFFECT_REFLECT | DGB_EFFECT_TEMPORAL},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
+    {"reflections, no radiance",
+     {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL},
      DGB_INVALID,
      DGB_LOG_TARGETS},
     {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
@@ -949,6 +968,7 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .effects = DGB_EFFECT_RADIOSITY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
         {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_VELOCITY},
         {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
+        {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
         {SIZE, .effects = ALL_EFFECTS, .targets = DGB_TARGET_ALL},
         {SIZE, .effects = ALL_EFFECTS, .layers = 8},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},

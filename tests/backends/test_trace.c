@@ -15,24 +15,18 @@
 
 #define BOTH (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)
 
-#define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
+#define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
 
-static const char* const effect_names[ALL_EFFECTS + 1] = {"none",
-                                                          "ao",
-                                                          "radiosity",
-                                                          "ao+radiosity",
-                                                          "bounces",
-                                                          "ao+bounces",
-                                                          "radiosity+bounces",
-                                                          "ao+radiosity+bounces",
-                                                          "temporal",
-                                                          "ao+temporal",
-                                                          "radiosity+temporal",
-                                                          "ao+radiosity+temporal",
-                                                          "bounces+temporal",
-                                                          "ao+bounces+temporal",
-                                                          "radiosity+bounces+temporal",
-                                                          "ao+radiosity+bounces+temporal"};
+/* Good until the next call. */
+static const char* effect_name(uint32_t effects) {
+    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
+    static char name[64];
+    int i;
+    name[0] = 0;
+    for (i = 0; i < 5; ++i)
+        if (effects >> i & 1u) strcat(strcat(name, name[0] ? "+" : ""), words[i]);
+    return effects ? name : "none";
+}
 
 static bool makes_sense(uint32_t effects) {
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
@@ -246,7 +240,7 @@ static void print_three_builds(record_text* text, construction c, int layers, in
 static void print_shading(record_text* text, int layers, uint32_t effects) {
     record_text build_text = {0}, shading = {0};
     trace_two_frames(constructions[6], layers, effects, &build_text, &shading);
-    record_printf(text, "== shade, layers %d, effects %s\n%s\n", layers, effect_names[effects], shading.data);
+    record_printf(text, "== shade, layers %d, effects %s\n%s\n", layers, effect_name(effects), shading.data);
     record_text_free(&build_text);
     record_text_free(&shading);
 }
@@ -256,7 +250,7 @@ static void print_history(record_text* text, int layers, uint32_t effects) {
     fixture f;
     int frame;
     configure(&f, constructions[6], layers, effects);
-    record_printf(text, "== history, layers %d, effects %s\n", layers, effect_names[effects]);
+    record_printf(text, "== history, layers %d, effects %s\n", layers, effect_name(effects));
     init(&f);
     for (frame = 0; frame < 3; ++frame) {
         build(&f);
@@ -277,7 +271,7 @@ static void print_life(record_text* text, int layers, uint32_t effects, dgb_sour
     f.desc.effects = effects;
     f.desc.source = source;
     record_printf(text, "== init, resize to 32x32 and shutdown, layers %d, effects %s%s\n", layers,
-                  effect_names[effects], source == DGB_SOURCE_ENGINE ? ", the engine's own" : "");
+                  effect_name(effects), source == DGB_SOURCE_ENGINE ? ", the engine's own" : "");
     init(&f);
     take_trace(&f, text);
     record_printf(text, "-- resize\n");
@@ -338,7 +332,9 @@ static void test_golden_traces(void** state) {
     print_three_builds(&text, constructions[8], 3, 4);  /* predict, separate */
     print_shading(&text, 1, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES);
-    print_history(&text, 2, ALL_EFFECTS);
+    print_history(&text, 2, ALL_EFFECTS & ~DGB_EFFECT_REFLECT);
+    print_shading(&text, 1, DGB_EFFECT_REFLECT);
+    print_shading(&text, 2, ALL_EFFECTS);
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -357,10 +353,10 @@ static void test_building_and_shading_are_apart(void** state) {
                 trace_two_frames(constructions[i], layers, 0, &plain, NULL);
                 trace_two_frames(constructions[i], layers, effects, &built, &shading);
                 if (strcmp(plain.data, built.data) != 0)
-                    fail_msg("effects %s change construction %d", effect_names[effects], i);
+                    fail_msg("effects %s change construction %d", effect_name(effects), i);
                 if (!i) record_printf(&first_shading, "%s", shading.data);
                 if (strcmp(first_shading.data, shading.data) != 0)
-                    fail_msg("construction %d changes effects %s", i, effect_names[effects]);
+                    fail_msg("construction %d changes effects %s", i, effect_name(effects));
                 record_text_free(&plain);
                 record_text_free(&built);
                 record_text_free(&shading);
@@ -1971,6 +1967,11 @@ static void set_filter_taps(dgb_params* p, float x) { p->filter_taps = (int)x; }
 static void set_filter_step(dgb_params* p, float x) { p->filter_step = (int)x; }
 static void set_normal_sharpness(dgb_params* p, float x) { p->normal_sharpness = x; }
 static void set_plane_sharpness(dgb_params* p, float x) { p->plane_sharpness = x; }
+static void set_reflect_distance(dgb_params* p, float x) { p->reflect_distance = x; }
+static void set_reflect_thickness(dgb_params* p, float x) { p->reflect_thickness = x; }
+static void set_reflect_steps(dgb_params* p, float x) { p->reflect_steps = (int)x; }
+static void set_reflect_stride(dgb_params* p, float x) { p->reflect_stride = (int)x; }
+static void set_reflect_border(dgb_params* p, float x) { p->reflect_border = x; }
 
 static const struct {
     const char* name;
@@ -2025,6 +2026,26 @@ static const struct {
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
     {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},
     {"plane_sharpness", set_plane_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 8, 100}, {-0.001f, -1, -1e30f, -1}},
+    {"reflect_distance",
+     set_reflect_distance,
+     DGB_LOG_REFLECT_PARAMS,
+     true,
+     {1e-15f, 1e14f, 30, 1},
+     {0, -1, 1e-16f, 1e15f}},
+    {"reflect_thickness",
+     set_reflect_thickness,
+     DGB_LOG_REFLECT_PARAMS,
+     true,
+     {1e-15f, 1e14f, 0.5f, 1},
+     {0, -1, 1e-16f, 1e15f}},
+    {"reflect_steps", set_reflect_steps, DGB_LOG_REFLECT_PARAMS, false, {1, 4096, 256, 2}, {0, 4097, -1, 1e6f}},
+    {"reflect_stride", set_reflect_stride, DGB_LOG_REFLECT_PARAMS, false, {1, 64, 2, 3}, {0, 65, -1, 1e6f}},
+    {"reflect_border",
+     set_reflect_border,
+     DGB_LOG_REFLECT_PARAMS,
+     true,
+     {0, 32, 1e6f, 0.5f},
+     {-0.001f, -1, -1e30f, -1}},
 };
 
 static void check_shade_refused(fixture* f, dgb_log_item item, const char* why) {
@@ -2231,7 +2252,7 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
         dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
         char what[64];
         kinds[missing % 5][missing / 5].id = 0;
-        snprintf(what, sizeof what, "effects %s, %d layers, without input %u", effect_names[effects], layers, missing);
+        snprintf(what, sizeof what, "effects %s, %d layers, without input %u", effect_name(effects), layers, missing);
         check_input(&f, &given, !(needed >> missing & 1u), what);
     }
     stop(&f);
@@ -2253,6 +2274,8 @@ static void test_inputs_that_are_needed(void** state) {
     check_inputs(1, ao | temporal, DGB_NORMALS_FROM_DEPTH, Z | VELOCITY);
     check_inputs(2, ao | temporal, DGB_NORMALS_FROM_DEPTH, Z * (1 + SECOND) | VELOCITY); /* the first layer's alone */
     check_inputs(2, BOTH | temporal, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND) | VELOCITY);
+    check_inputs(1, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH, Z | B);
+    check_inputs(2, DGB_EFFECT_REFLECT | ao, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND));
     check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 1023);
 }
 

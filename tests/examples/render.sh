@@ -124,6 +124,7 @@ refused --emit multicast --divisor 4
 check "refused: layer 1 of one layer" refuses --layers 1
 refused --effects ao --dump irradiance0=e.pfm
 refused --effects gi --dump ao=ao.pfm
+refused --dump reflection=r.pfm
 refused --ortho 5 --clip reversed-infinite
 refused --dump z0=missing/z0.pfm
 refused --json missing/report.json
@@ -256,13 +257,13 @@ refused ../scenes/missing.gltf
 
 small="$render --size 160x90 --frames 3"
 dumps='z0 z1 normal0 normal1 albedo0 albedo1 radiance0 radiance1 ao ao_raw irradiance0 irradiance0_raw
-       confidence0 final'
+       confidence0 reflection reflect_confidence reflect_layer reflect_length final'
 pictures='final direct ambient_visibility indirect layer0 layer1'
 
 render_all() {
     set --
     for name in $dumps; do set -- "$@" --dump "$name=$name.pfm"; done
-    $small --sky 0.3,0.4,0.5 --out out/deeper --json report.json "$@"
+    $small --effects ao,gi,reflect --sky 0.3,0.4,0.5 --out out/deeper --json report.json "$@"
 }
 
 png_size_is() { # FILE WIDTH HEIGHT, each below 65536
@@ -275,7 +276,7 @@ pictures_are_there() {
     for name in $pictures; do png_size_is "out/deeper/$name.png" 160 90 || return 1; done
 }
 
-channels_of() { case $1 in z? | ao | ao_raw | confidence0) echo 1 ;; *) echo 3 ;; esac; }
+channels_of() { case $1 in z? | ao | ao_raw | confidence0 | reflect_*) echo 1 ;; *) echo 3 ;; esac; }
 pfm_is_right() { # NAME
     channels=$(channels_of "$1")
     letters=PF
@@ -344,9 +345,10 @@ check "the six pictures have the right size"   pictures_are_there
 check "one layer stands beside two"            png_size_is out/deeper/one_vs_two.png 320 90
 for name in $dumps; do check "$name.pfm has the right header and size" pfm_is_right "$name"; done
 for name in z0 z1; do check "$name is finite and not positive" within -1000 0 $name; done
-for name in ao ao_raw confidence0 albedo0 albedo1; do check "$name is 0 to 1" within 0 1 $name; done
+for name in ao ao_raw confidence0 reflect_confidence albedo0 albedo1; do check "$name is 0 to 1" within 0 1 $name; done
+check "reflect_layer is 0 to 2" within 0 2 reflect_layer
 for name in normal0 normal1; do check "$name is -1 to 1" within -1 1 $name; done
-for name in radiance0 radiance1 irradiance0 irradiance0_raw final; do
+for name in radiance0 radiance1 irradiance0 irradiance0_raw reflection reflect_length final; do
     check "$name is finite and not negative" within 0 1000 $name
 done
 check "normals of layer 0 are unit or 0"       normals_are_unit 0
@@ -407,6 +409,8 @@ check "--layers 1, another picture"            another --layers 1
 check "--layers 3, the same picture"           same --layers 3
 check "--emit geometry renders"                hash_of --emit geometry
 check "--effects none, another picture"        another --effects none
+check "--effects ao,gi,reflect, the same picture" same --effects ao,gi,reflect
+check "--effects reflect renders"              hash_of --effects reflect
 check "--preset quality, another picture"      another --preset quality
 check "--separation 3, another picture"        another --separation 3
 check "--samples 5, another picture"           another --samples 5

@@ -71,6 +71,10 @@ static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dg
                                              VALUE("dgb_reconstruct_sharpness", dgb_reconstruct_uniforms, sharpness),
                                              ARRAY("dgb_reconstruct_weights", dgb_reconstruct_uniforms, weights)};
 
+static const member reflect_members[] = {
+    CAMERA("dgb_reflect_camera", dgb_reflect_uniforms, camera), VALUE("dgb_reflect_size", dgb_reflect_uniforms, size),
+    VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray), VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade)};
+
 typedef struct block {
     const char* name;
     size_t size;
@@ -88,7 +92,7 @@ static const block draw_block = BLOCK(draw);
 
 static const block* block_of(const dgb_program_desc* program) {
     static const block blocks[] = {BLOCK(pack),    BLOCK(ao),       BLOCK(gather), BLOCK(reconstruct),
-                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles)};
+                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles),  BLOCK(reflect)};
     /* the first steps of TILES have none */
     if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
     switch (program->pass) {
@@ -99,6 +103,7 @@ static const block* block_of(const dgb_program_desc* program) {
     case DGB_PASS_GATHER: return &blocks[2];
     case DGB_PASS_TEMPORAL: return &blocks[5];
     case DGB_PASS_RECONSTRUCT: return &blocks[3];
+    case DGB_PASS_REFLECT: return &blocks[7];
     default: return NULL; /* the MIP pass has no block */
     }
 }
@@ -167,10 +172,12 @@ static void test_passes(void** state) {
     int layers, normals, effects, pass, seen[DGB_PASS_COUNT] = {0};
     (void)state;
     for (layers = 1; layers <= 2; ++layers)
-        for (effects = 1; effects <= 15; ++effects) {
+        for (effects = 1; effects <= 31; ++effects) {
             dgb_desc d = desc_of(layers);
             d.effects = (uint32_t)effects;
-            if ((effects & 6) == DGB_EFFECT_BOUNCES || !(effects & 3)) continue; /* nothing to bounce, nothing at all */
+            if ((effects & 6) == DGB_EFFECT_BOUNCES || (effects & 11) == DGB_EFFECT_TEMPORAL ||
+                effects == DGB_EFFECT_BOUNCES)
+                continue; /* nothing to bounce, nothing at all */
             d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
             check_programs(&d, seen);
             d.source = DGB_SOURCE_ENGINE;

@@ -144,7 +144,7 @@ int main(int argc, char** argv) {
     int effects, layers, normals, senders;
     dgb_plan plan;
     if (argc != 2) return 2;
-    for (effects = 1; effects < 16; ++effects)
+    for (effects = 1; effects < 32; ++effects)
         for (layers = 1; layers <= 2; ++layers) {
             dgb_desc desc;
             memset(&desc, 0, sizeof desc);

@@ -59,6 +59,7 @@ typedef struct record_uniforms {
         dgb_gather_uniforms gather;
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
+        dgb_reflect_uniforms reflect;
     } u;
 } record_uniforms;
 

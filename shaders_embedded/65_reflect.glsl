@@ -1,0 +1,181 @@
+// Mirror reflections: the reflected ray marched through the image, perspective-correct, against both layers. A hit is a ray that
+// comes to lie behind a surface by no more than its thickness; everything else is a miss, which the engine fills from its
+// environment map.
+
+layout(std140) uniform dgb_reflect_block {
+    dgb_camera dgb_reflect_camera;
+    ivec4      dgb_reflect_size; // buffer width, height, most steps
+    vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)
+    vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)
+};
+
+uniform sampler2D dgb_z;
+uniform sampler2D dgb_normals;
+uniform sampler2D dgb_b0;
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_b1;
+#endif
+
+layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence
+layout(location = 1) out vec4 dgb_out_hit;        // layer + 1, 0 for none; length of the ray (m)
+
+// A ray in the image: pixel, z / w and 1 / w are linear along it.
+struct dgb_ray {
+    vec3  x, n, direction;
+    vec2  pixel, pixels;  // first, and from first to last
+    vec2  depth, depths;  // z / w and 1 / w likewise
+    float step;           // share of the way that a step goes
+    int   steps;          // 0: there is nothing to march
+};
+
+float dgb_clip_w(float z, dgb_camera camera) { return camera.footprint.y * z + camera.footprint.z; }
+
+vec2 dgb_ray_pixel(dgb_ray ray, float s) { return ray.pixel + s * ray.pixels; }
+
+float dgb_ray_z(dgb_ray ray, float s) {
+    vec2 d = ray.depth + s * ray.depths;
+    return d.x / d.y;
+}
+
+// Share of the way from a to b at which a coordinate leaves low..high; 1 if it does not.
+float dgb_leaves(float a, float b, float low, float high) {
+    float bound = b > a ? high : low;
+    return b != a ? min(max((bound - a) / (b - a), 0.0), 1.0) : 1.0;
+}
+
+dgb_ray dgb_ray_of(vec3 from, vec3 n, vec3 direction) {
+    dgb_camera camera = dgb_reflect_camera;
+    vec2       high   = vec2(dgb_reflect_size.xy);
+    float      reach  = dgb_reflect_ray.x;
+    // towards the eye a ray ends at the near plane
+    if (direction.z > 0.0) reach = min(reach, (dgb_reflect_ray.w - from.z) / direction.z);
+    vec3    to = from + max(reach, 0.0) * direction;
+    float   k0 = 1.0 / dgb_clip_w(from.z, camera), k1 = 1.0 / dgb_clip_w(to.z, camera);
+    dgb_ray ray;
+    ray.x         = from;
+    ray.n         = n;
+    ray.direction = direction;
+    ray.pixel  = dgb_project(from, camera);
+    ray.pixels = dgb_project(to, camera) - ray.pixel;
+    ray.depth  = vec2(from.z * k0, k0);
+    ray.depths = vec2(to.z * k1, k1) - ray.depth;
+    // and everywhere at the border of the buffer
+    float inside = min(dgb_leaves(ray.pixel.x, ray.pixel.x + ray.pixels.x, 0.0, high.x),
+                       dgb_leaves(ray.pixel.y, ray.pixel.y + ray.pixels.y, 0.0, high.y));
+    ray.pixels *= inside;
+    ray.depths *= inside;
+    float pixels = max(abs(ray.pixels.x), abs(ray.pixels.y));
+    // a ray in the plane of its surface, within the error of an Oct16 normal, or behind it is none, and NaN is no ray either
+    bool  valid  = from.z > DGB_EMPTY_Z && reach > 0.0 && pixels < 1e6 && dot(direction, n) > DGB_MIN_COSINE;
+    ray.step     = valid && pixels > 0.0 ? dgb_reflect_ray.z / pixels : 1.0;
+    // the first step is a part of one, so that it takes one more to reach the end
+    ray.steps    = valid ? min(int(ceil(1.0 / ray.step)) + 1, dgb_reflect_size.z) : 0;
+    return ray;
+}
+
+// Whether the ray, at z now and at z_before one step ago, lies behind a surface within its thickness.
+bool dgb_is_behind(float z, float z_before, float surface, float thickness) {
+    return surface > DGB_EMPTY_Z && z <= surface && max(z, z_before) >= surface - thickness;
+}
+
+// Whether the ray's own surface could not reach there: else a flat mirror sees itself in stripes. The shaded pixel itself never
+// is above, on either layer.
+bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {
+    vec3 v = dgb_position(pixel, z, dgb_reflect_camera) - ray.x;
+    return dot(v, ray.n) > DGB_MIN_COSINE * length(v);
+}
+
+const int DGB_REFLECT_HALVINGS = 4; // of a step, once something is hit
+
+struct dgb_hit {
+    int   layer; // -1: none
+    float s;     // share of the way
+    ivec2 texel;
+    float depth; // behind the surface when the ray came there, as a share of the thickness; 0: it came from before it
+};
+
+// How thick the surfaces of a texel are taken to be: the first no thicker than the way to the second.
+vec2 dgb_thickness(vec2 zs) {
+#if DGB_LAYERS > 1
+    return vec2(min(dgb_reflect_ray.y, zs.x - zs.y), dgb_reflect_ray.y);
+#else
+    return dgb_reflect_ray.yy;
+#endif
+}
+
+dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
+    float   z = dgb_ray_z(ray, s), nearest = max(z, z_before);
+    dgb_hit hit;
+    hit.s     = s;
+    hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);
+    vec2 zs   = texelFetch(dgb_z, hit.texel, 0).xy, thickness = dgb_thickness(zs);
+    bool first = dgb_is_behind(z, z_before, zs.x, thickness.x) && dgb_is_above(dgb_centre(0, hit.texel), zs.x, ray), second = false;
+#if DGB_LAYERS > 1
+    second = dgb_is_behind(z, z_before, zs.y, thickness.y) && dgb_is_above(dgb_centre(1, hit.texel), zs.y, ray);
+#endif
+    hit.layer = first ? 0 : second ? 1 : -1;
+    hit.depth = max(first ? (zs.x - nearest) / thickness.x : (zs.y - nearest) / thickness.y, 0.0);
+    return hit;
+}
+
+// Halves the step from `before`, so that a hit of a long step lies where the ray first meets the surface. What is left of the
+// step must meet it too: past an edge, a ray may come to lie far behind a surface that it never was before.
+dgb_hit dgb_refined(dgb_hit hit, dgb_ray ray, float before) {
+    for (int i = 0; i < DGB_REFLECT_HALVINGS; ++i) {
+        dgb_hit middle = dgb_hit_at(ray, 0.5 * (before + hit.s), dgb_ray_z(ray, before));
+        if (middle.layer >= 0) hit = middle; // on whichever layer
+        else before = middle.s;
+    }
+    return dgb_hit_at(ray, hit.s, dgb_ray_z(ray, before));
+}
+
+// The first hit.
+dgb_hit dgb_march(dgb_ray ray, float jitter) {
+    float   s = 0.0, z = dgb_ray_z(ray, 0.0);
+    dgb_hit hit;
+    hit.layer = -1;
+    hit.s     = hit.depth = 0.0;
+    hit.texel = ivec2(0);
+    for (int i = 0; i < (hit.layer < 0 ? ray.steps : 0); ++i) {
+        float before = s;
+        s   = min((float(i) + jitter) * ray.step, 1.0);
+        hit = dgb_hit_at(ray, s, z);
+        if (hit.layer >= 0) hit = dgb_refined(hit, ray, before);
+        z = dgb_ray_z(ray, s);
+    }
+    return hit;
+}
+
+// How far a hit can be trusted: less near the border of the buffer, deep behind a surface, and where that faces away.
+float dgb_trust(dgb_hit hit, dgb_ray ray, vec3 hit_normal) {
+    vec2  centre = vec2(hit.texel) + 0.5, margin = min(centre, vec2(dgb_reflect_size.xy) - centre);
+    float border = clamp(min(margin.x, margin.y) / max(dgb_reflect_fade.x, 0.5), 0.0, 1.0);
+    float inside = clamp(2.0 - 2.0 * hit.depth, 0.0, 1.0);
+    float facing = clamp(-4.0 * dot(ray.direction, hit_normal), 0.0, 1.0);
+    return border * inside * facing;
+}
+
+void main() {
+    ivec2 pixel  = ivec2(gl_FragCoord.xy);
+    float z      = texelFetch(dgb_z, pixel, 0).x;
+    vec3  x      = dgb_position(gl_FragCoord.xy, z, dgb_reflect_camera);
+    vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
+    bool  perspective = dgb_reflect_camera.footprint.y != 0.0;
+    vec3  view   = perspective ? normalize(x) : vec3(0.0, 0.0, -1.0);
+    float jitter = (float(dgb_pixel_hash(pixel, 0)) + 0.5) / 256.0; // nothing averages the frames: always the same
+    dgb_ray ray  = dgb_ray_of(x, n, reflect(view, n));
+    dgb_hit hit  = dgb_march(ray, jitter);
+
+    vec4 normals = texelFetch(dgb_normals, hit.texel, 0);
+    vec3 light   = texelFetch(dgb_b0, hit.texel, 0).rgb;
+    vec2 zs      = texelFetch(dgb_z, hit.texel, 0).xy;
+    bool second  = false;
+#if DGB_LAYERS > 1
+    second = hit.layer == 1;
+    light  = second ? texelFetch(dgb_b1, hit.texel, 0).rgb : light;
+#endif
+    float trust    = hit.layer < 0 ? 0.0 : dgb_trust(hit, ray, dgb_oct16_decode(second ? normals.zw : normals.xy));
+    vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);
+    dgb_out_reflection = trust > 0.0 ? vec4(dgb_storable(light), trust) : vec4(0.0);
+    dgb_out_hit        = trust > 0.0 ? vec4(hit.layer + 1, min(length(there - x), DGB_MAX_RADIANCE), 0.0, 0.0) : vec4(0.0);
+}
