@@ -304,8 +304,9 @@ typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions w
 DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
                                    double milliseconds[DGB_EMISSION_COUNT]);
 
-/* GLSL of dgb_fallback(probe, visibility, irradiance), which mixes the library's light with a probe's by its confidence: put
-   it into the shader that composites, after #version. As snprintf. */
+/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the library found
+   with a probe's light and an environment map's by its confidence: put it into the shader that composites, after #version. As
+   snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
@@ -1828,14 +1829,17 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
 
 static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "#line 700001\n"
-    "// Composite: the one line that an engine needs, for Lambert surfaces. Light the surface with\n"
-    "//     emission + direct + albedo / pi * dgb_fallback(...)\n"
+    "// Composite: the lines that an engine needs. A Lambert surface sends emission + direct + albedo / pi * dgb_fallback(...), a\n"
+    "// mirror its reflectance times dgb_mirror(...).\n"
     "\n"
     "// Irradiance, W/m2. probe: what comes from where nothing is known: a light probe's irradiance for the normal, or a constant.\n"
     "// visibility: of DGB_AO; 1 without. irradiance: of DGB_IRRADIANCE; vec4(0) without.\n"
     "vec3 dgb_fallback(vec3 probe, float visibility, vec4 irradiance) {\n"
     "    return mix(visibility * probe, irradiance.rgb, irradiance.a);\n"
-    "}\n",
+    "}\n"
+    "\n"
+    "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction. reflection: of DGB_REFLECTION.\n"
+    "vec3 dgb_mirror(vec3 environment, vec4 reflection) { return mix(environment, reflection.rgb, reflection.a); }\n",
     0
 };
 
