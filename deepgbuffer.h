@@ -69,6 +69,7 @@
              -> [gather]      irradiance + confidence, with BOUNCES of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
+             -> [reflect]     what a mirror in each pixel would show, from both layers
              -> your composite, and next frame's pack
        What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
 
@@ -120,6 +121,10 @@
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
        Confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
        whose taps found nothing says nothing.
+       DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
+       mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
+       longer steps are cheaper and look for the hit within the step. With BOUNCES, mirrored surfaces show their bounced
+       light. Rougher surfaces are not done yet.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
@@ -173,8 +178,8 @@
        Velocities carry no depth: of an object that moves towards the eye and not across, history is rejected.
 
    VERSION HISTORY
-       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction;
-              OpenGL backend
+       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction,
+              mirror reflections; OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H
