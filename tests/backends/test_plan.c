@@ -15,16 +15,6 @@
 #define ALL_EFFECTS \
     (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
 
-/* Good until the next call. */
-static const char* effect_name(uint32_t effects) {
-    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
-    static char name[64];
-    int i;
-    name[0] = 0;
-    for (i = 0; i < 5; ++i)
-        if (effects >> i & 1u) strcat(strcat(name, name[0] ? "+" : ""), words[i]);
-    return effects ? name : "none";
-}
 static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
 
 /* To the last bit: what == says of floats and padding is not the question. */
@@ -105,7 +95,7 @@ static void print_built_section(record_text* text, int layers, uint32_t effects,
     record_text first = {0}, other = {0};
     dgb_desc d = small_desc(layers, effects);
     dgb_emission emission = DGB_EMISSION_AUTO;
-    record_printf(text, "== built, effects %s, layers %d, oracle %s\nemission", effect_name(effects), layers,
+    record_printf(text, "== built, effects %s, layers %d, oracle %s\nemission", record_effect_names(effects), layers,
                   dgb_oracle_name(oracle));
     d.oracle = oracle;
     for (; emission < DGB_EMISSION_COUNT; emission = (dgb_emission)(emission + 1)) {
@@ -141,7 +131,7 @@ static void print_engine_section(record_text* text, int layers, uint32_t effects
     d.normals = normals;
     plan = make_plan(&d);
     assert_int_equal(plan.oracle, DGB_ORACLE_DEFAULT); /* there is nothing to build */
-    record_printf(text, "== engine's own, effects %s, layers %d, normals %s\n", effect_name(effects), layers,
+    record_printf(text, "== engine's own, effects %s, layers %d, normals %s\n", record_effect_names(effects), layers,
                   normals_names[normals]);
     if (normals == DGB_NORMALS_FROM_DEPTH) {
         print_plan(text, &plan);

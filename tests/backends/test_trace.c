@@ -17,17 +17,6 @@
 
 #define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
 
-/* Good until the next call. */
-static const char* effect_name(uint32_t effects) {
-    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
-    static char name[64];
-    int i;
-    name[0] = 0;
-    for (i = 0; i < 5; ++i)
-        if (effects >> i & 1u) strcat(strcat(name, name[0] ? "+" : ""), words[i]);
-    return effects ? name : "none";
-}
-
 static bool makes_sense(uint32_t effects) {
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     return (effects & BOTH) || !(effects & DGB_EFFECT_TEMPORAL);
@@ -240,7 +229,7 @@ static void print_three_builds(record_text* text, construction c, int layers, in
 static void print_shading(record_text* text, int layers, uint32_t effects) {
     record_text build_text = {0}, shading = {0};
     trace_two_frames(constructions[6], layers, effects, &build_text, &shading);
-    record_printf(text, "== shade, layers %d, effects %s\n%s\n", layers, effect_name(effects), shading.data);
+    record_printf(text, "== shade, layers %d, effects %s\n%s\n", layers, record_effect_names(effects), shading.data);
     record_text_free(&build_text);
     record_text_free(&shading);
 }
@@ -250,7 +239,7 @@ static void print_history(record_text* text, int layers, uint32_t effects) {
     fixture f;
     int frame;
     configure(&f, constructions[6], layers, effects);
-    record_printf(text, "== history, layers %d, effects %s\n", layers, effect_name(effects));
+    record_printf(text, "== history, layers %d, effects %s\n", layers, record_effect_names(effects));
     init(&f);
     for (frame = 0; frame < 3; ++frame) {
         build(&f);
@@ -271,7 +260,7 @@ static void print_life(record_text* text, int layers, uint32_t effects, dgb_sour
     f.desc.effects = effects;
     f.desc.source = source;
     record_printf(text, "== init, resize to 32x32 and shutdown, layers %d, effects %s%s\n", layers,
-                  effect_name(effects), source == DGB_SOURCE_ENGINE ? ", the engine's own" : "");
+                  record_effect_names(effects), source == DGB_SOURCE_ENGINE ? ", the engine's own" : "");
     init(&f);
     take_trace(&f, text);
     record_printf(text, "-- resize\n");
@@ -353,10 +342,10 @@ static void test_building_and_shading_are_apart(void** state) {
                 trace_two_frames(constructions[i], layers, 0, &plain, NULL);
                 trace_two_frames(constructions[i], layers, effects, &built, &shading);
                 if (strcmp(plain.data, built.data) != 0)
-                    fail_msg("effects %s change construction %d", effect_name(effects), i);
+                    fail_msg("effects %s change construction %d", record_effect_names(effects), i);
                 if (!i) record_printf(&first_shading, "%s", shading.data);
                 if (strcmp(first_shading.data, shading.data) != 0)
-                    fail_msg("construction %d changes effects %s", i, effect_name(effects));
+                    fail_msg("construction %d changes effects %s", i, record_effect_names(effects));
                 record_text_free(&plain);
                 record_text_free(&built);
                 record_text_free(&shading);
@@ -2252,7 +2241,8 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
         dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
         char what[64];
         kinds[missing % 5][missing / 5].id = 0;
-        snprintf(what, sizeof what, "effects %s, %d layers, without input %u", effect_name(effects), layers, missing);
+        snprintf(what, sizeof what, "effects %s, %d layers, without input %u", record_effect_names(effects), layers,
+                 missing);
         check_input(&f, &given, !(needed >> missing & 1u), what);
     }
     stop(&f);

@@ -50,6 +50,17 @@ void record_text_free(record_text* text) {
     memset(text, 0, sizeof *text);
 }
 
+const char* record_effect_names(uint32_t effects) {
+    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
+    static char names[64];
+    size_t length = 0, i;
+    snprintf(names, sizeof names, "none");
+    for (i = 0; i < sizeof words / sizeof words[0]; ++i)
+        if (effects >> i & 1u)
+            length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", length ? "+" : "", words[i]);
+    return names;
+}
+
 void record_print_program(record_text* text, const dgb_program_desc* program) {
     int i;
     record_printf(text, "%s{", dgb_pass_name(program->pass));

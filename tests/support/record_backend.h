@@ -29,6 +29,9 @@ void record_text_free(record_text* text);
    repository. */
 void record_check_golden(const char* name, const record_text* text);
 
+/* "ao+radiosity", "none"; good until the next call. */
+const char* record_effect_names(uint32_t effects);
+
 /* "pack{DGB_LAYERS=2,DGB_NORMALS_FORMAT=1}" */
 void record_print_program(record_text* text, const dgb_program_desc* program);
 
