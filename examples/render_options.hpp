@@ -304,6 +304,8 @@ struct Overrides {
     int ao_samples = 16;
     std::optional<float> alpha, delta;
     std::optional<glm::vec2> boost; // of grey, of saturated colour
+    std::optional<int> reflect_steps;
+    std::optional<float> reflect_distance, reflect_thickness; // m
 };
 
 inline void apply(const Overrides& overrides, Options* options) {
@@ -316,6 +318,9 @@ inline void apply(const Overrides& overrides, Options* options) {
     params.ao_samples = overrides.ao_samples;
     params.history_weight = overrides.alpha.value_or(params.history_weight);
     params.bounce_damping = overrides.delta.value_or(params.bounce_damping);
+    params.reflect_steps = overrides.reflect_steps.value_or(params.reflect_steps);
+    params.reflect_distance = overrides.reflect_distance.value_or(params.reflect_distance);
+    params.reflect_thickness = overrides.reflect_thickness.value_or(params.reflect_thickness);
     if (overrides.boost) {
         params.boost_unsaturated = overrides.boost->x;
         params.boost_saturated = overrides.boost->y;
@@ -407,6 +412,13 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--boost", [=](const std::string& pair) { overrides->boost = parse_boost(pair); },
         "u,s: factors of bounced light for grey and for saturated surfaces (default 1,1)");
+    app->add_option("--reflect-steps", overrides->reflect_steps, "most steps of a mirrored ray (default 256)")
+        ->check(between(1, 4096, "1 to 4096"));
+    app->add_option("--reflect-distance", overrides->reflect_distance, "longest mirrored ray, m (default 30)")
+        ->check(positive());
+    app->add_option("--reflect-thickness", overrides->reflect_thickness,
+                    "how far behind its surface an object stops a mirrored ray, m (default 0.5)")
+        ->check(positive());
     app->add_option("--alpha", overrides->alpha, "weight of the frames before, 0 to 0.999 (default 0.85)")
         ->check(between(0, 0.999, "0 to 0.999"));
 }

@@ -25,7 +25,8 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 # >> help and plan need no GPU
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
-         camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps'
+         camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps
+         reflect-steps reflect-distance reflect-thickness'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -104,6 +105,9 @@ refused_values --sky         1 1,1,-1 1,1,inf 1,1,1,1 ''
 refused_values --probe       none SKY 1 ''
 refused_values --ortho       0 -1 nan inf
 refused_values --exposure    nan 31 bright
+refused_values --reflect-steps     0 -1 4097 1.5 many ''
+refused_values --reflect-distance  0 -1 nan inf far ''
+refused_values --reflect-thickness 0 -1 nan inf thick ''
 refused_values --frames      0 -1 1.5 few
 refused_values --orbit       nan 361 left
 refused_values --time        -1 nan inf soon ''
@@ -411,6 +415,19 @@ check "--emit geometry renders"                hash_of --emit geometry
 check "--effects none, another picture"        another --effects none
 check "--effects ao,gi,reflect, the same picture" same --effects ao,gi,reflect
 check "--effects reflect renders"              hash_of --effects reflect
+hits() { # OPTION...: pixels whose mirrored ray meets something
+    "$render" --size 160x90 --guard 16 --frames 1 --effects reflect --dump reflect_layer=reflect_hits.pfm "$@" >/dev/null &&
+        pixels reflect_hits | awk '$1 > 0 { ++n } END { print n + 0 }'
+}
+grows() { # NUMBER...
+    echo "$@" && [ $# -gt 1 ] && while [ $# -gt 1 ]; do [ "$1" -lt "$2" ] || return 1; shift; done
+}
+more_steps() { grows "$(hits --reflect-steps 1)" "$(hits --reflect-steps 16)" "$(hits --reflect-steps 256)"; }
+longer_rays() { grows "$(hits --reflect-distance 1)" "$(hits --reflect-distance 4)" "$(hits --reflect-distance 16)"; }
+thicker() { grows "$(hits --reflect-thickness 0.01)" "$(hits --reflect-thickness 0.5)"; }
+check "--reflect-steps: more hit more"         more_steps
+check "--reflect-distance: longer rays hit more" longer_rays
+check "--reflect-thickness: thicker surfaces are hit more" thicker
 check "--preset quality, another picture"      another --preset quality
 check "--separation 3, another picture"        another --separation 3
 check "--samples 5, another picture"           another --samples 5
