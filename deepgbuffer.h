@@ -422,12 +422,12 @@ typedef enum dgb_format {
     X(DGB_AO_HALF, "ao_half")                                                                                            \
     X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
     X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
-    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
+    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
+    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
+    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */                  \
     X(DGB_REFLECTION,                                                                                                    \
       "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
-    X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */                  \
-    X(DGB_IRRADIANCE1, "irradiance1")       /* of layer 1, which you cannot see: light for the next bounce */
+    X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */
 
 typedef enum dgb_slot {
     DGB_SLOT_NONE = 0,
@@ -585,16 +585,16 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
     bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
 
+    int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
+    int filter_step;        /* pixels from tap to tap, 1..8 */
+    float normal_sharpness; /* 0 ignores normals */
+    float plane_sharpness;  /* 0 ignores depth */
+
     float reflect_distance;  /* longest reflected ray, m */
     float reflect_thickness; /* how far behind its surface an object still stops a ray, m */
     int reflect_steps;       /* most steps of a ray, 1..4096 */
     int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
     float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
-
-    int filter_taps;        /* reconstruction taps in each direction, odd, 1 (off) to 25 */
-    int filter_step;        /* pixels from tap to tap, 1..8 */
-    float normal_sharpness; /* 0 ignores normals */
-    float plane_sharpness;  /* 0 ignores depth */
 } dgb_params;
 
 typedef enum dgb_preset_id {
@@ -746,13 +746,6 @@ typedef struct dgb_temporal_uniforms {
     dgb_reprojection past;
 } dgb_temporal_uniforms;
 
-typedef struct dgb_reflect_uniforms {
-    dgb_camera camera;
-    int32_t size[4]; /* buffer width and height, most steps */
-    float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
-    float fade[4];   /* width of the border (pixels) */
-} dgb_reflect_uniforms;
-
 typedef struct dgb_reconstruct_uniforms {
     dgb_camera camera;
     int32_t rect[4];                             /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
@@ -760,6 +753,13 @@ typedef struct dgb_reconstruct_uniforms {
     float sharpness[4];                          /* normal, plane */
     float weights[DGB_MAX_FILTER_RADIUS + 1][4]; /* x: spatial weight at distance i */
 } dgb_reconstruct_uniforms;
+
+typedef struct dgb_reflect_uniforms {
+    dgb_camera camera;
+    int32_t size[4]; /* buffer width and height, most steps */
+    float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
+    float fade[4];   /* width of the border (pixels) */
+} dgb_reflect_uniforms;
 
 /* --- plan --------------------------------------------------------------------------------------------------------- */
 

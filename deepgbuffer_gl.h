@@ -352,6 +352,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "const float DGB_MAX_DISTANCE = 1e15;\n"
     "const float DGB_EMPTY_Z      = -1e15; // packed z of no surface: so far away that it reaches nothing\n"
     "const float DGB_MIN_COSINE   = 0.017;\n"
+    "const int   DGB_LOG2_TILE    = 4; // tiles are 16 x 16 pixels\n"
     "\n"
     "struct dgb_camera {\n"
     "    vec4 linearise;\n"
@@ -431,8 +432,8 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    vec4 a = camera.position_z, b = camera.position_1;\n"
     "    return (point.xy - a.zw * point.z - b.zw) / (a.xy * point.z + b.xy);\n"
     "}\n"
-    "\n"
-    "#ifdef DGB_DIVISOR\n",
+    "\n",
+    "#ifdef DGB_DIVISOR\n"
     "// Where in the image the texel of a layer lies that a pixel shows: deeper layers may have a lower resolution.\n"
     "vec2 dgb_centre(int layer, ivec2 pixel) {\n"
     "    int divisor = layer > 0 ? DGB_DIVISOR : 1;\n"
@@ -1032,7 +1033,6 @@ static const char* const dgbgli_glsl_tiles[] = { /* 33_tiles.glsl */
     "// for each tile whether a second-layer surface lies within reach of its pixels. What it rejects, no tap would have found: the\n"
     "// results are the same, bit for bit, only the work is less.\n"
     "\n"
-    "const int DGB_LOG2_TILE   = 4; // 16 x 16 pixels\n"
     "const int DGB_LOG2_REGION = 7; // 8 x 8 tiles\n"
     "\n"
     "const vec4 DGB_NO_DEPTHS = vec4(-1e30, 1e30, -1e30, 1e30); // largest and smallest z of layer 0, of layer 1: none\n"
@@ -1156,7 +1156,7 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     "\n"
     "// Whether the second layer matters to occlusion, to light, and is there, in the pixel's tile; all: as if it did everywhere.\n"
     "bvec3 dgb_tile_at(ivec2 pixel, bool all) {\n"
-    "    return greaterThan(texelFetch(dgb_tiles, pixel >> 4, 0).rgb + vec3(all), vec3(0.0));\n"
+    "    return greaterThan(texelFetch(dgb_tiles, pixel >> DGB_LOG2_TILE, 0).rgb + vec3(all), vec3(0.0));\n"
     "}\n"
     "#endif\n",
     0
@@ -2527,9 +2527,11 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_Z:
     case DGB_KEY:
     case DGB_DEPTH:
+    case DGB_TILE_DEPTHS:
     case DGB_ENGINE_DEPTH0: return 0;
     case DGB_NORMALS:
     case DGB_NORMAL:
+    case DGB_REGION_DEPTHS:
     case DGB_ENGINE_NORMAL0: return 1;
     case DGB_B0:
     case DGB_RADIANCE:
@@ -2553,8 +2555,6 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_ALBEDO1: return 12;
     case DGB_LAST_FRAMES:
     case DGB_TILES: return 13;
-    case DGB_TILE_DEPTHS: return 0;
-    case DGB_REGION_DEPTHS: return 1;
     default: return b->desc.oracle_unit;
     }
 }

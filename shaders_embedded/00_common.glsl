@@ -7,6 +7,7 @@ const float DGB_MAX_RADIANCE = 64512.0;
 const float DGB_MAX_DISTANCE = 1e15;
 const float DGB_EMPTY_Z      = -1e15; // packed z of no surface: so far away that it reaches nothing
 const float DGB_MIN_COSINE   = 0.017;
+const int   DGB_LOG2_TILE    = 4; // tiles are 16 x 16 pixels
 
 struct dgb_camera {
     vec4 linearise;

@@ -2,7 +2,6 @@
 // for each tile whether a second-layer surface lies within reach of its pixels. What it rejects, no tap would have found: the
 // results are the same, bit for bit, only the work is less.
 
-const int DGB_LOG2_TILE   = 4; // 16 x 16 pixels
 const int DGB_LOG2_REGION = 7; // 8 x 8 tiles
 
 const vec4 DGB_NO_DEPTHS = vec4(-1e30, 1e30, -1e30, 1e30); // largest and smallest z of layer 0, of layer 1: none

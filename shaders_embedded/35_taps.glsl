@@ -31,6 +31,6 @@ uniform sampler2D dgb_tiles;
 
 // Whether the second layer matters to occlusion, to light, and is there, in the pixel's tile; all: as if it did everywhere.
 bvec3 dgb_tile_at(ivec2 pixel, bool all) {
-    return greaterThan(texelFetch(dgb_tiles, pixel >> 4, 0).rgb + vec3(all), vec3(0.0));
+    return greaterThan(texelFetch(dgb_tiles, pixel >> DGB_LOG2_TILE, 0).rgb + vec3(all), vec3(0.0));
 }
 #endif
