@@ -328,7 +328,9 @@ inline void apply(const Overrides& overrides, Options* options) {
 }
 
 inline void add_outputs(CLI::App* app, Options* o) {
-    app->add_option("SCENE", o->scene, "glTF 2.0 file, .gltf or .glb; without it, a procedural atrium");
+    app->add_option(
+        "SCENE", o->scene,
+        "glTF 2.0 file, .gltf or .glb; or one of the procedural scenes: atrium (the default), gallery (mirrors)");
     app->add_option(
         "--out", o->out,
         "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
