@@ -22,8 +22,9 @@ flags := $(flags_$(config))
 $(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf
+packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf vulkan
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
+vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
@@ -48,6 +49,7 @@ reference       := $(filter-out tests/reference/test_%,$(wildcard tests/referenc
 tests_in = $(patsubst %.c,build/$(2)/%,$(wildcard tests/$(1)/test_*.c))
 core_tests  = $(foreach folder,unit backends,$(call tests_in,$(folder),$(1)))
 gl_tests   := $(call tests_in,gl,$(config))
+gpu_cost   := $(B)/tests/gpu_cost/gpu_cost
 benchmarks := $(patsubst %,$(B)/%,$(basename $(wildcard tests/bench/*.c tests/bench/*.cpp)))
 
 # Programs that compare with rays: tests/reference, and the benchmarks that include its header.
@@ -56,12 +58,13 @@ reference_benchmarks := $(patsubst %.cpp,$(B)/%,$(shell grep -l '"reference.hpp"
 
 source_tests  := tests/compile/compile.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
+gpu_tests     := tests/gpu_cost/check.sh
 example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
-.PHONY: all help setup demo test check check-core check-gl check-reference examples bench core-tests gl-tests \
-        reference-tests embed embed-check shaders-check format format-fix tidy clean
+.PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
+        gpu-tests reference-tests embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -90,11 +93,12 @@ demo: ## set up, build and render the atrium into build/demo
 	$(demo_commands)
 
 test: setup ## set up, build and run every test
-	@$(MAKE) config=release examples core-tests gl-tests reference-tests
+	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests
 	@$(MAKE) config=sanitize core-tests
 	@$(MAKE) config=fastmath core-tests
-	@tests/run $(source_tests) $(shader_tests) $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) \
-	    $(call tests_in,gl,release) $(call reference_tests,release) $(example_tests)
+	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
+	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
+	    $(call reference_tests,release) $(example_tests)
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)
@@ -112,6 +116,9 @@ examples: $(examples) ## build every example
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
+
+gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table, and build/gpu_cost.csv
+	@$(if $(vulkan),$(gpu_cost),echo "gpu-cost: skipped: libvulkan is missing (Debian, Ubuntu: libvulkan-dev)")
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))
@@ -133,7 +140,7 @@ format-fix: ## format the sources
 	@clang-format -i $(our_h) $(our_c) $(our_cpp)
 
 tidy: ## run clang-tidy on the headers, the examples and the tests
-	@$(if $(our_c),clang-tidy --quiet $(our_c) -- -std=c99 $(CPPFLAGS))
+	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%),$(our_c)) -- -std=c99 $(CPPFLAGS))
 	@$(if $(our_cpp),clang-tidy --quiet $(our_cpp) -- -std=c++17 $(CPPFLAGS))
 
 clean: ## remove build/
@@ -141,6 +148,7 @@ clean: ## remove build/
 
 core-tests: $(call core_tests,$(config))
 gl-tests: $(gl_tests)
+gpu-tests: $(if $(vulkan),$(gpu_cost))
 reference-tests: $(call reference_tests,$(config))
 
 # >> rules: objects, archives, programs
@@ -191,6 +199,10 @@ $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 $(gl_tests): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/obj/examples/headless.o
 	$(call say,link)
 	$(call link,$(CC),cmocka egl epoxy)
+
+$(gpu_cost): $(call objects,$(wildcard tests/gpu_cost/*.c))
+	$(call say,link)
+	$(call link,$(CC),vulkan)
 
 $(filter-out $(reference_benchmarks),$(benchmarks)): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/examples.a
 	$(call say,link)
