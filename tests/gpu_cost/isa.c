@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_BRANCHES = 512 };
+enum { MAX_BRANCHES = 512, MAX_SCALARS = 128 };
 
 typedef struct jump {
     int from, to; /* blocks */
@@ -16,8 +16,8 @@ typedef struct reader {
     jump loops[ISA_MAX_LOOPS]; /* first and last block */
     jump branches[MAX_BRANCHES];
     int branch_count;
-    int block;             /* of the line being read */
-    int descriptors[1024]; /* by scalar register: offset of the descriptor that was loaded there, -1 for none */
+    int block;                         /* of the line being read */
+    int descriptor_bytes[MAX_SCALARS]; /* by scalar register: what it holds of the set, an offset; -1: nothing */
 } reader;
 
 /* >> lines */
@@ -130,21 +130,33 @@ static void add_instruction(isa_work* work, const char* line) {
     if (starts_with_any(line, memory)) work->cycles[ISA_MEMORY] += 2;
 }
 
-/* A texture's descriptor comes in eight scalar registers from the offset that its binding has in the set. */
-enum { DESCRIPTOR_BYTES = 96 };
-
-static void load_descriptor(reader* r, const char* line) {
-    int first, last, offset = 0;
-    const char* end = strrchr(line, ',');
-    if (sscanf(line, "s_load_dwordx8 s[%d:%d]", &first, &last) != 2 || !end || first >= 1024) return;
-    r->descriptors[first] = sscanf(end, ", %i", &offset) == 1 || strstr(end, "null") ? offset : -1;
+static void copy_scalars(reader* r, int to, int from, int count) {
+    for (; count > 0 && to < MAX_SCALARS && from < MAX_SCALARS; --count)
+        r->descriptor_bytes[to++] = r->descriptor_bytes[from++];
 }
+
+/* Descriptors are loaded into scalar registers, and may move there. */
+static void follow_descriptors(reader* r, const char* line) {
+    const char* offset = strrchr(line, ',');
+    int first, last, from, bytes = 0;
+    if (sscanf(line, "s_load_dwordx%*d s[%d:%d]", &first, &last) == 2 && offset) {
+        const bool is_known = sscanf(offset, ", %i", &bytes) == 1 || strstr(offset, "null");
+        for (; first <= last && first < MAX_SCALARS; bytes += 4) r->descriptor_bytes[first++] = is_known ? bytes : -1;
+    } else if (sscanf(line, "s_mov_b64 s[%d:%*d], s[%d:", &first, &from) == 2) {
+        copy_scalars(r, first, from, 2);
+    } else if (sscanf(line, "s_mov_b32 s%d, s%d", &first, &from) == 2) {
+        copy_scalars(r, first, from, 1);
+    }
+}
+
+/* What the driver gives to each texture of a set. */
+enum { DESCRIPTOR_BYTES = 96 };
 
 static void add_fetch(reader* r, isa_work* work, const char* line) {
     const char* operand = strstr(line, " s[");
-    int first, last, offset;
+    int first, offset;
     if (!starts_with(line, "image_")) return;
-    offset = operand && sscanf(operand, " s[%d:%d]", &first, &last) == 2 && first < 1024 ? r->descriptors[first] : -1;
+    offset = operand && sscanf(operand, " s[%d:", &first) == 1 && first < MAX_SCALARS ? r->descriptor_bytes[first] : -1;
     if (offset < 0 || offset % DESCRIPTOR_BYTES || offset / DESCRIPTOR_BYTES >= ISA_MAX_TEXTURES)
         r->complaint = "cannot tell from which texture an instruction of the assembly fetches";
     else
@@ -156,7 +168,7 @@ static void read_instruction(reader* r, const char* line) {
     isa_work* work = loop < 0 ? &r->code->once : &r->code->trip[loop];
     const double before = work->cycles[ISA_VECTOR];
     ++r->code->instruction_count;
-    load_descriptor(r, line);
+    follow_descriptors(r, line);
     add_instruction(work, line);
     add_fetch(r, work, line);
     if (is_skippable(r, r->block)) work->skippable += work->cycles[ISA_VECTOR] - before;
@@ -167,7 +179,7 @@ const char* isa_read(const char* assembly, isa_code* code) {
     int i;
     memset(code, 0, sizeof *code);
     memset(&r, 0, sizeof r);
-    for (i = 0; i < 1024; ++i) r.descriptors[i] = -1;
+    for (i = 0; i < MAX_SCALARS; ++i) r.descriptor_bytes[i] = -1;
     r.code = code;
     for_each_line(&r, assembly, find_branch);
     find_depths(&r);
