@@ -69,6 +69,7 @@
              -> [gather]      irradiance + confidence, with BOUNCES of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
+             -> [range]       HIERARCHICAL: depth ranges of both layers, over cells of 4, 8, 16... pixels
              -> [reflect]     what a mirror in each pixel would show, from both layers
              -> your composite, and next frame's pack
        What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
@@ -125,6 +126,9 @@
        mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
        longer steps are cheaper and look for the hit within the step. With BOUNCES, mirrored surfaces show their bounced
        light. Rougher surfaces are not done yet.
+       desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
+       that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
+       longer the rays and the shorter the steps, the more it saves.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
@@ -219,13 +223,14 @@ extern "C" {
 #define DGB_ROTATION_COUNT 256    /* rotations of the spiral */
 #define DGB_TILE_SIZE 16          /* pixels along one side of a tile */
 #define DGB_REGION_SIZE 128
+#define DGB_CELL_SIZE 4     /* pixels along one side of a cell of the finest depth ranges */
 #define DGB_AO_LOG2_Q 3     /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
 #define DGB_GATHER_LOG2_Q 4 /* radiosity taps within 2^4 = 16 pixels read level 0 */
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 12
-#define DGB_MAX_PASSES 20
+#define DGB_MAX_PROGRAMS 14
+#define DGB_MAX_PASSES 26
 #define DGB_MAX_TEXTURES 36
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
@@ -358,6 +363,12 @@ typedef enum dgb_normaliser { /* what divides the gathered sum */
                               DGB_NORMALISER_COUNT
 } dgb_normaliser;
 
+typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
+                          DGB_TRACER_LINEAR = 0,   /* every step is tested */
+                          DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
+                          DGB_TRACER_COUNT
+} dgb_tracer;
+
 typedef enum dgb_format {
     DGB_FORMAT_NONE = 0,
     DGB_FORMAT_R8,
@@ -425,6 +436,8 @@ typedef enum dgb_format {
     X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
     X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
     X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */                  \
+    /* depth ranges, with MIP levels: largest and smallest z of layer 0, of layer 1 */                                   \
+    X(DGB_RANGES, "ranges")                                                                                              \
     X(DGB_REFLECTION,                                                                                                    \
       "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
     X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */
@@ -448,6 +461,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_GATHER,
     DGB_PASS_TEMPORAL,
     DGB_PASS_RECONSTRUCT,
+    DGB_PASS_RANGE,
     DGB_PASS_REFLECT,
     DGB_PASS_COUNT
 } dgb_pass_id;
@@ -759,6 +773,7 @@ typedef struct dgb_reflect_uniforms {
     int32_t size[4]; /* buffer width and height, most steps */
     float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
     float fade[4];   /* width of the border (pixels) */
+    int32_t skip[4]; /* log2 of the most steps skipped at once, of the least power of two >= pixels a step */
 } dgb_reflect_uniforms;
 
 /* --- plan --------------------------------------------------------------------------------------------------------- */
@@ -780,6 +795,7 @@ typedef struct dgb_desc { /* 0 means default */
     bool world_normals;  /* DGB_SOURCE_ENGINE: normals are in world space */
     dgb_senders senders;
     dgb_normaliser normaliser;
+    dgb_tracer tracer;
     const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
     dgb_log_fn log;             /* may be null */
     void* log_user;
@@ -792,7 +808,7 @@ typedef struct dgb_plan_input {
 
 typedef struct dgb_plan_pass {
     dgb_pass_id id;
-    int level;   /* MIP: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
+    int level;   /* MIP, RANGE: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
     int program; /* index into programs; -1 for LAYERS */
     int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
@@ -1398,8 +1414,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict",  "pack",        "mip",    "tiles",
-                                        "ao",     "gather",  "temporal", "reconstruct", "reflect"};
+    static const char* const names[] = {"layers", "resolve", "predict",  "pack",        "mip",   "tiles",
+                                        "ao",     "gather",  "temporal", "reconstruct", "range", "reflect"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1479,6 +1495,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->normals, 0, DGB_NORMALS_COUNT - 1) ||
         !dgbi_in_range((int)d->senders, 0, DGB_SENDERS_COUNT - 1) ||
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
+        !dgbi_in_range((int)d->tracer, 0, DGB_TRACER_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
@@ -1524,13 +1541,21 @@ static bool dgbi_has_prediction(dgb_oracle oracle) {
 
 static int dgbi_units(int pixels, int unit) { return (pixels + unit - 1) / unit; }
 
-/* Width and height of a texture of the plan. */
+/* Cells of level m stand DGB_CELL_SIZE * 2^m pixels apart. None is longer than the buffer. */
+static int dgbi_range_levels(const dgb_plan* plan) {
+    const int longer = plan->width > plan->height ? plan->width : plan->height;
+    return dgb_mip_levels(longer / DGB_CELL_SIZE, longer / DGB_CELL_SIZE);
+}
+
+/* Width and height of a texture of the plan. Ranges are for whole cells of their coarsest level, so that none is odd. */
 static void dgbi_texture_size(const dgb_plan* plan, dgb_slot slot, int size[2]) {
+    const int cells = slot == DGB_RANGES ? 1 << (dgbi_range_levels(plan) - 1) : 1;
     const int unit = slot == DGB_TILE_DEPTHS || slot == DGB_TILES ? DGB_TILE_SIZE
                      : slot == DGB_REGION_DEPTHS                  ? DGB_REGION_SIZE
+                     : slot == DGB_RANGES                         ? DGB_CELL_SIZE * cells
                                                                   : 1;
-    size[0] = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : dgbi_units(plan->width, unit);
-    size[1] = slot == DGB_ROTATIONS ? 1 : dgbi_units(plan->height, unit);
+    size[0] = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : dgbi_units(plan->width, unit) * cells;
+    size[1] = slot == DGB_ROTATIONS ? 1 : dgbi_units(plan->height, unit) * cells;
 }
 
 static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
@@ -1843,17 +1868,35 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_pl
     }
 }
 
+/* The finest level from z, each of the others from the one before. */
+static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
+    const int levels = dgbi_range_levels(plan), first = plan->program_count;
+    int level;
+    for (level = 0; level < dgbi_min(levels, 2); ++level) {
+        dgbi_add_program(plan, DGB_PASS_RANGE);
+        dgbi_add_define(plan, "DGB_RANGE_STEP", level);
+    }
+    dgbi_add_texture(plan, DGB_RANGES, w->layers > 1 ? DGB_FORMAT_RGBA32F : DGB_FORMAT_RG32F, 0, levels);
+    for (level = 0; level < levels; ++level) {
+        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RANGE, level, first + (level > 0));
+        dgbi_add_input(pass, level ? DGB_RANGES : DGB_Z);
+        dgbi_add_output(pass, DGB_RANGES);
+    }
+}
+
 static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_REFLECT, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_HIERARCHICAL", d->tracer == DGB_TRACER_HIERARCHICAL);
     dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_texture(plan, DGB_REFLECTION_HIT, DGB_FORMAT_RG16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_B0);
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
+    if (d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_add_input(pass, DGB_RANGES);
     dgbi_add_output(pass, DGB_REFLECTION);
     dgbi_add_output(pass, DGB_REFLECTION_HIT);
 }
@@ -1877,6 +1920,7 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     if (wants.light) dgbi_plan_gather(d, &wants, plan);
     if (wants.temporal) dgbi_plan_temporal(d, &wants, plan);
     if (wants.spiral) dgbi_plan_reconstruct(d, &wants, plan);
+    if (wants.reflect && d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_plan_range(&wants, plan);
     if (wants.reflect) dgbi_plan_reflect(d, &wants, plan);
 }
 
@@ -2047,6 +2091,11 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
     if (c->backend.marker) c->backend.marker(c->backend.user, id, begin);
 }
 
+/* Whether it writes the level that it is named for, and reads the one before. */
+static bool dgbi_writes_level(const dgb_plan_pass* pass) {
+    return pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE;
+}
+
 static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id = plan_pass->id;
@@ -2054,7 +2103,7 @@ static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass
         plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
     for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
-        pass->colors[i].level = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
+        pass->colors[i].level = dgbi_writes_level(plan_pass) ? plan_pass->level : 0;
         pass->colors[i].layer = layer;
     }
     c->backend.pass_begin(c->backend.user, pass);
@@ -2064,7 +2113,7 @@ static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
     int i;
     for (i = 0; i < pass->input_count; ++i)
         c->backend.texture_bind(c->backend.user, pass->inputs[i].name, c->textures[pass->inputs[i].texture],
-                                pass->id == DGB_PASS_MIP ? pass->level - 1 : -1);
+                                dgbi_writes_level(pass) ? pass->level - 1 : -1);
 }
 
 /* >> frame, layers */
@@ -2573,6 +2622,13 @@ static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q,
     dgbi_filter_weights(q->filter_taps / 2, u->weights);
 }
 
+/* Exponent of the least power of two that is no less. */
+static int dgbi_log2_ceil(int x) {
+    int exponent = 0;
+    while (1 << exponent < x) ++exponent;
+    return exponent;
+}
+
 static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb_reflect_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
@@ -2584,6 +2640,9 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
     u->ray[2] = (float)q->reflect_stride;
     u->ray[3] = dgb_linear_z(1.0f - dgbi_clear_depth(c->desc.reversed), &c->camera);
     u->fade[0] = q->reflect_border;
+    u->skip[1] = dgbi_log2_ceil(q->reflect_stride);
+    u->skip[0] =
+        dgbi_log2_ceil(DGB_CELL_SIZE) + dgbi_range_levels(&c->plan) - 1 - u->skip[1]; /* of the coarsest cell */
 }
 
 static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
@@ -2614,6 +2673,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:
     case DGB_PASS_MIP: /* copies: nothing to tell */
+    case DGB_PASS_RANGE:
     case DGB_PASS_COUNT: return;
     }
     c->backend.uniforms_upload(c->backend.user, &u, size);
@@ -2625,9 +2685,10 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
         rect[0] = rect[1] = 0;
         rect[2] = c->plan.width >> level;
         rect[3] = c->plan.height >> level;
-    } else if (pass->id == DGB_PASS_TILES) {
+    } else if (pass->id == DGB_PASS_TILES || pass->id == DGB_PASS_RANGE) {
         rect[0] = rect[1] = 0;
         dgbi_texture_size(&c->plan, pass->outputs[0], rect + 2);
+        if (pass->id == DGB_PASS_RANGE) rect[2] >>= pass->level, rect[3] >>= pass->level;
     } else if (pass->id == DGB_PASS_REFLECT) { /* nothing reads it in the guard band */
         rect[0] = rect[1] = c->desc.guard_band;
         rect[2] = c->desc.width;

@@ -51,7 +51,8 @@ static void print_texture(record_text* text, const dgb_texture_desc* t) {
 static void print_pass(record_text* text, const dgb_plan_pass* pass) {
     int i;
     record_printf(text, "pass %s", dgb_pass_name(pass->id));
-    if (pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RECONSTRUCT) record_printf(text, " %d", pass->level);
+    if (pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RECONSTRUCT || pass->id == DGB_PASS_RANGE)
+        record_printf(text, " %d", pass->level);
     if (pass->program >= 0) record_printf(text, " #%d", pass->program);
     record_printf(text, ":");
     for (i = 0; i < pass->input_count; ++i) {
@@ -142,6 +143,16 @@ static void print_engine_section(record_text* text, int layers, uint32_t effects
     record_printf(text, "\n");
 }
 
+static void print_hierarchical_section(record_text* text, int layers) {
+    dgb_desc d = small_desc(layers, DGB_EFFECT_REFLECT);
+    dgb_plan plan;
+    d.tracer = DGB_TRACER_HIERARCHICAL;
+    plan = make_plan(&d);
+    record_printf(text, "== hierarchical tracer, layers %d\n", layers);
+    print_plan(text, &plan);
+    record_printf(text, "\n");
+}
+
 static void test_golden_plans(void** state) {
     record_text text = {0};
     uint32_t effects;
@@ -169,6 +180,7 @@ static void test_golden_plans(void** state) {
         print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_AO, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
+        print_hierarchical_section(&text, layers);
     }
     print_engine_section(&text, 1, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
@@ -318,6 +330,7 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     check_stage(plan, DGB_PASS_MIP, spiral);
     check_stage(plan, DGB_PASS_TILES, spiral && plan->layers > 1);
     check_stage(plan, DGB_PASS_RECONSTRUCT, spiral);
+    check_stage(plan, DGB_PASS_RANGE, reflect && desc->tracer == DGB_TRACER_HIERARCHICAL);
     check_stage(plan, DGB_PASS_REFLECT, reflect);
     check_history(desc, plan);
     assert_int_equal(has_pass(plan, DGB_PASS_LAYERS), desc->source == DGB_SOURCE_BUILD);
@@ -357,7 +370,7 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
         }
         for (k = 0; k < pass->output_count; ++k) {
             const dgb_texture_desc* t = find_texture(plan, pass->outputs[k]);
-            if (!t || (pass->id == DGB_PASS_MIP && pass->level >= t->levels))
+            if (!t || ((pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE) && pass->level >= t->levels))
                 fail_msg("pass %s writes %s", dgb_pass_name(pass->id), dgb_slot_name(pass->outputs[k]));
             written[pass->outputs[k]] = true;
         }
@@ -630,6 +643,63 @@ static void test_senders_choose_the_program(void** state) {
     assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 1);
 }
 
+/* What the hierarchical tracer adds, and nothing else: without reflections nothing, else the ranges, from z to cells that are
+   no longer than the buffer. All levels have whole cells, also of a buffer that is not divisible. */
+static void check_tracer(dgb_desc d) {
+    const bool reflects = (d.effects & DGB_EFFECT_REFLECT) != 0;
+    const dgb_plan linear = make_plan(&d);
+    const dgb_texture_desc* ranges;
+    dgb_plan plan;
+    int longer, level;
+    uint64_t bytes = 0;
+    d.tracer = DGB_TRACER_HIERARCHICAL;
+    plan = make_plan(&d);
+    assert_null(find_texture(&linear, DGB_RANGES));
+    assert_false(has_pass(&linear, DGB_PASS_RANGE) || has_program(&linear, DGB_PASS_RANGE));
+    if (!reflects) {
+        assert_true(same_bits(&linear, &plan, sizeof plan));
+        return;
+    }
+    ranges = find_texture(&plan, DGB_RANGES);
+    longer = plan.width > plan.height ? plan.width : plan.height;
+    assert_int_equal(define_of(&linear, DGB_PASS_REFLECT, "DGB_HIERARCHICAL"), 0);
+    assert_int_equal(define_of(&plan, DGB_PASS_REFLECT, "DGB_HIERARCHICAL"), 1);
+    assert_non_null(ranges);
+    assert_int_equal(ranges->format, plan.layers > 1 ? DGB_FORMAT_RGBA32F : DGB_FORMAT_RG32F);
+    assert_true(ranges->levels == 1 || 4 << (ranges->levels - 1) <= longer);
+    assert_true(ranges->levels == DGB_MAX_LEVELS || 4 << ranges->levels > longer);
+    for (level = 0; level < ranges->levels; ++level) {
+        const int cell = 4 << level;
+        assert_int_equal(ranges->width % (1 << level), 0);
+        assert_int_equal(ranges->height % (1 << level), 0);
+        assert_true((ranges->width >> level) * cell >= plan.width && (ranges->height >> level) * cell >= plan.height);
+        bytes +=
+            (uint64_t)(ranges->width >> level) * (uint64_t)(ranges->height >> level) * (plan.layers > 1 ? 16u : 8u);
+    }
+    assert_true(ranges->bytes == bytes);
+    assert_int_equal(plan.texture_count, linear.texture_count + 1);
+    assert_int_equal(plan.pass_count, linear.pass_count + ranges->levels);
+    check_limits(&d, &plan);
+    check_bytes(&d, &plan);
+    check_passes_connect(&d, &plan);
+}
+
+static void test_tracer(void** state) {
+    static const int sizes[][2] = {{1, 1}, {3, 2}, {4, 4}, {5, 3}, {7, 900}, {63, 41}, {640, 360}, {16384, 1}};
+    uint32_t effects;
+    size_t i;
+    int layers;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects); ++layers)
+            for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+                dgb_desc d = small_desc(layers, effects);
+                d.width = sizes[i][0], d.height = sizes[i][1], d.guard_band = 0;
+                if (layers > 1) d.emission = DGB_EMISSION_IMAGE, d.oracle = DGB_ORACLE_PREDICT; /* the most passes */
+                check_tracer(d);
+            }
+}
+
 /* A lower resolution of the deeper layers is a matter of viewports and programs: no texture changes. */
 static void test_divisor(void** state) {
     static const struct {
@@ -803,6 +873,8 @@ static const struct {
     {"senders 2", {SIZE, .senders = DGB_SENDERS_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser", {SIZE, .normaliser = BAD(dgb_normaliser)}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser 2", {SIZE, .normaliser = DGB_NORMALISER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"tracer", {SIZE, .tracer = BAD(dgb_tracer)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"tracer 2", {SIZE, .tracer = DGB_TRACER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format 13", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -1053,6 +1125,7 @@ int main(void) {
         cmocka_unit_test(test_depth_formats),
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_senders_choose_the_program),
+        cmocka_unit_test(test_tracer),
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),
