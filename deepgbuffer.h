@@ -66,7 +66,7 @@
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [tiles]       where the second layer can matter at all
              -> [ao]          ambient visibility
-             -> [gather]      irradiance + confidence, with BOUNCES of both layers
+             -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
              -> [reflect]     what a mirror in each pixel would show, from both layers
@@ -123,8 +123,10 @@
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
        mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
-       longer steps are cheaper and look for the hit within the step. With BOUNCES, mirrored surfaces show their bounced
-       light. Rougher surfaces are not done yet.
+       longer steps are cheaper and look for the hit within the step. Mirrored surfaces show what they send, and with
+       RADIOSITY what they make of bounced light: last frame's with BOUNCES, else this frame's, albedo/pi * confidence * E,
+       which needs ALBEDO. (Light from a probe is not known here: add to DGB_RADIANCE what should be mirrored of it.)
+       Rougher surfaces are not done yet.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
@@ -292,7 +294,7 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
        DGB_EFFECT_TEMPORAL = 8,  /* with AO or RADIOSITY: averages them over frames */
-       DGB_EFFECT_REFLECT = 16   /* mirror reflections: DGB_REFLECTION */
+       DGB_EFFECT_REFLECT = 16   /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -422,9 +424,10 @@ typedef enum dgb_format {
     X(DGB_AO_HALF, "ao_half")                                                                                            \
     X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
     X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
-    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
-    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
-    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */                  \
+    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
+    X(DGB_IRRADIANCE1,                                                                                                   \
+      "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
     X(DGB_REFLECTION,                                                                                                    \
       "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
     X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */
@@ -757,6 +760,7 @@ typedef struct dgb_reconstruct_uniforms {
 typedef struct dgb_reflect_uniforms {
     dgb_camera camera;
     int32_t size[4]; /* buffer width and height, most steps */
+    int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
     float fade[4];   /* width of the border (pixels) */
 } dgb_reflect_uniforms;
@@ -847,7 +851,7 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture depth[DGB_MAX_SHADED_LAYERS];    /* depth-buffer values in the desc's convention */
     dgb_texture normal[DGB_MAX_SHADED_LAYERS];   /* as desc.normals says; unread for DGB_NORMALS_FROM_DEPTH */
     dgb_texture radiance[DGB_MAX_SHADED_LAYERS]; /* outgoing radiance; read for radiosity only */
-    dgb_texture albedo[DGB_MAX_SHADED_LAYERS];   /* linear; read for more than one bounce only */
+    dgb_texture albedo[DGB_MAX_SHADED_LAYERS];   /* linear; read for more than one bounce and for mirrored light only */
     dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
                                                     one: metres of camera z by which the object itself moved. Read for
                                                     more than one bounce and for the temporal filter only */
@@ -1440,7 +1444,9 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
     uint32_t targets = 0;
     if (effects) targets |= DGB_TARGET_NORMAL;
     if (effects & (DGB_EFFECT_RADIOSITY | DGB_EFFECT_REFLECT)) targets |= DGB_TARGET_RADIANCE;
-    if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_ALBEDO | DGB_TARGET_VELOCITY;
+    if ((effects & DGB_EFFECT_RADIOSITY) && (effects & (DGB_EFFECT_BOUNCES | DGB_EFFECT_REFLECT)))
+        targets |= DGB_TARGET_ALBEDO;
+    if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_VELOCITY;
     if (effects & DGB_EFFECT_TEMPORAL) targets |= DGB_TARGET_VELOCITY;
     return targets;
 }
@@ -1639,6 +1645,7 @@ typedef struct dgbi_wants {
     bool spiral;   /* something takes spiral taps: occlusion or light */
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
+    bool indirect; /* reflections add what this frame's irradiance makes of the surface that is hit */
 } dgbi_wants;
 
 static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
@@ -1651,7 +1658,8 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     w.reflect = (d->effects & DGB_EFFECT_REFLECT) != 0;
     w.spiral = w.ao || w.light;
     w.radiance = w.light || w.reflect;
-    w.deep = w.bounces && w.layers > 1;
+    w.indirect = w.reflect && w.light && !w.bounces; /* bounces are part of the packed radiance already */
+    w.deep = (w.bounces || w.indirect) && w.layers > 1;
     return w;
 }
 
@@ -1696,7 +1704,7 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->radiance);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
-    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_define(plan, "DGB_DEEP", w->bounces && w->deep);
     dgbi_add_texture(plan, DGB_Z, z, 0, w->spiral ? plan->levels : 1);
     if (w->bounces || w->temporal) dgbi_add_texture(plan, DGB_LAST_Z, z, 0, plan->levels); /* takes turns with z */
     dgbi_add_texture(plan, DGB_NORMALS, w->layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0,
@@ -1847,13 +1855,20 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_REFLECT, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
+    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_INDIRECT", w->indirect);
     dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_texture(plan, DGB_REFLECTION_HIT, DGB_FORMAT_RG16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_B0);
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
+    if (w->indirect) {
+        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
+        dgbi_add_input(pass, DGB_IRRADIANCE);
+        if (w->deep) dgbi_add_input(pass, DGB_IRRADIANCE1);
+    }
     dgbi_add_output(pass, DGB_REFLECTION);
     dgbi_add_output(pass, DGB_REFLECTION_HIT);
 }
@@ -2579,6 +2594,7 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
     u->size[0] = c->plan.width;
     u->size[1] = c->plan.height;
     u->size[2] = q->reflect_steps;
+    dgbi_fill_rect(c, q, u->rect);
     u->ray[0] = q->reflect_distance;
     u->ray[1] = q->reflect_thickness;
     u->ray[2] = (float)q->reflect_stride;

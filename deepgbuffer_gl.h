@@ -1650,6 +1650,7 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "layout(std140) uniform dgb_reflect_block {\n"
     "    dgb_camera dgb_reflect_camera;\n"
     "    ivec4      dgb_reflect_size; // buffer width, height, most steps\n"
+    "    ivec4      dgb_reflect_rect; // where there is irradiance: x0, y0, x1, y1 inclusive\n"
     "    vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)\n"
     "    vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)\n"
     "};\n"
@@ -1659,6 +1660,12 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "uniform sampler2D dgb_b0;\n"
     "#if DGB_LAYERS > 1\n"
     "uniform sampler2D dgb_b1;\n"
+    "#endif\n"
+    "#if DGB_INDIRECT\n"
+    "uniform sampler2D dgb_irradiance;\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2D dgb_irradiance1;\n"
+    "#endif\n"
     "#endif\n"
     "\n"
     "layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence\n"
@@ -1722,10 +1729,10 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "bool dgb_is_behind(float z, float z_before, float surface, float thickness) {\n"
     "    return surface > DGB_EMPTY_Z && z <= surface && max(z, z_before) >= surface - thickness;\n"
     "}\n"
-    "\n"
+    "\n",
     "// Whether the ray's own surface could not reach there: else a flat mirror sees itself in stripes. The shaded pixel itself never\n"
     "// is above, on either layer.\n"
-    "bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {\n",
+    "bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {\n"
     "    vec3 v = dgb_position(pixel, z, dgb_reflect_camera) - ray.x;\n"
     "    return dot(v, ray.n) > DGB_MIN_COSINE * length(v);\n"
     "}\n"
@@ -1800,6 +1807,27 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    return border * inside * facing;\n"
     "}\n"
     "\n"
+    "#if DGB_INDIRECT\n"
+    "// Irradiance of a layer as far as it is known: by its confidence, and none where nothing was shaded.\n"
+    "vec3 dgb_known(ivec2 texel, bool second) {\n"
+    "    vec4 e = texelFetch(dgb_irradiance, texel, 0);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    if (second) e = texelFetch(dgb_irradiance1, texel, 0);\n"
+    "#endif\n"
+    "    bool shaded = all(greaterThanEqual(texel, dgb_reflect_rect.xy)) && all(lessThanEqual(texel, dgb_reflect_rect.zw));\n"
+    "    return shaded ? e.rgb * e.a : vec3(0.0);\n"
+    "}\n"
+    "\n"
+    "// What a Lambert surface makes of the light that this frame has gathered: albedo/pi * E.\n"
+    "vec3 dgb_indirect(ivec2 texel, bool second) {\n"
+    "    vec3 albedo = dgb_albedo_at(0, texel);\n"
+    "#if DGB_LAYERS > 1\n",
+    "    if (second) albedo = dgb_albedo_at(1, texel);\n"
+    "#endif\n"
+    "    return dgb_storable(albedo) / DGB_PI * dgb_known(texel, second);\n"
+    "}\n"
+    "#endif\n"
+    "\n"
     "void main() {\n"
     "    ivec2 pixel  = ivec2(gl_FragCoord.xy);\n"
     "    float z      = texelFetch(dgb_z, pixel, 0).x;\n"
@@ -1816,8 +1844,11 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    vec2 zs      = texelFetch(dgb_z, hit.texel, 0).xy;\n"
     "    bool second  = false;\n"
     "#if DGB_LAYERS > 1\n"
-    "    second = hit.layer == 1;\n",
+    "    second = hit.layer == 1;\n"
     "    light  = second ? texelFetch(dgb_b1, hit.texel, 0).rgb : light;\n"
+    "#endif\n"
+    "#if DGB_INDIRECT\n"
+    "    light += dgb_indirect(hit.texel, second);\n"
     "#endif\n"
     "    float trust    = hit.layer < 0 ? 0.0 : dgb_trust(hit, ray, dgb_oct16_decode(second ? normals.zw : normals.xy));\n"
     "    vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);\n"
@@ -2442,10 +2473,9 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     }
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
-    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL) {
+    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_REFLECT)
         dgbgli_add_chunks(c, dgbgli_glsl_source);
-        dgbgli_add_chunks(c, dgbgli_glsl_history);
-    }
+    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL) dgbgli_add_chunks(c, dgbgli_glsl_history);
     switch (pass) {
     case DGB_PASS_RESOLVE: dgbgli_add_chunks(c, dgbgli_glsl_resolve); break;
     case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
@@ -2545,8 +2575,10 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_NORMAL1: return 4;
     case DGB_ENGINE_RADIANCE1: return 5;
     case DGB_LAST_Z: return 6;
-    case DGB_LAST_IRRADIANCE: return 7;
-    case DGB_LAST_IRRADIANCE1: return 8;
+    case DGB_LAST_IRRADIANCE:
+    case DGB_IRRADIANCE: return 7;
+    case DGB_LAST_IRRADIANCE1:
+    case DGB_IRRADIANCE1: return 8;
     case DGB_VELOCITY:
     case DGB_ENGINE_VELOCITY0: return 9;
     case DGB_ENGINE_VELOCITY1: return 10;

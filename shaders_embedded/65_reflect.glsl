@@ -5,6 +5,7 @@
 layout(std140) uniform dgb_reflect_block {
     dgb_camera dgb_reflect_camera;
     ivec4      dgb_reflect_size; // buffer width, height, most steps
+    ivec4      dgb_reflect_rect; // where there is irradiance: x0, y0, x1, y1 inclusive
     vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)
     vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)
 };
@@ -14,6 +15,12 @@ uniform sampler2D dgb_normals;
 uniform sampler2D dgb_b0;
 #if DGB_LAYERS > 1
 uniform sampler2D dgb_b1;
+#endif
+#if DGB_INDIRECT
+uniform sampler2D dgb_irradiance;
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_irradiance1;
+#endif
 #endif
 
 layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence
@@ -155,6 +162,27 @@ float dgb_trust(dgb_hit hit, dgb_ray ray, vec3 hit_normal) {
     return border * inside * facing;
 }
 
+#if DGB_INDIRECT
+// Irradiance of a layer as far as it is known: by its confidence, and none where nothing was shaded.
+vec3 dgb_known(ivec2 texel, bool second) {
+    vec4 e = texelFetch(dgb_irradiance, texel, 0);
+#if DGB_LAYERS > 1
+    if (second) e = texelFetch(dgb_irradiance1, texel, 0);
+#endif
+    bool shaded = all(greaterThanEqual(texel, dgb_reflect_rect.xy)) && all(lessThanEqual(texel, dgb_reflect_rect.zw));
+    return shaded ? e.rgb * e.a : vec3(0.0);
+}
+
+// What a Lambert surface makes of the light that this frame has gathered: albedo/pi * E.
+vec3 dgb_indirect(ivec2 texel, bool second) {
+    vec3 albedo = dgb_albedo_at(0, texel);
+#if DGB_LAYERS > 1
+    if (second) albedo = dgb_albedo_at(1, texel);
+#endif
+    return dgb_storable(albedo) / DGB_PI * dgb_known(texel, second);
+}
+#endif
+
 void main() {
     ivec2 pixel  = ivec2(gl_FragCoord.xy);
     float z      = texelFetch(dgb_z, pixel, 0).x;
@@ -173,6 +201,9 @@ void main() {
 #if DGB_LAYERS > 1
     second = hit.layer == 1;
     light  = second ? texelFetch(dgb_b1, hit.texel, 0).rgb : light;
+#endif
+#if DGB_INDIRECT
+    light += dgb_indirect(hit.texel, second);
 #endif
     float trust    = hit.layer < 0 ? 0.0 : dgb_trust(hit, ray, dgb_oct16_decode(second ? normals.zw : normals.xy));
     vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);

@@ -167,9 +167,11 @@ static void test_golden_plans(void** state) {
     for (layers = 1; layers <= 2; ++layers) { /* reflections add a pass, and radiance where nothing else packs it */
         print_built_section(&text, layers, DGB_EFFECT_REFLECT, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_AO, DGB_ORACLE_PEEL);
+        print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_RADIOSITY, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
     }
+    print_engine_section(&text, 2, DGB_EFFECT_REFLECT | DGB_EFFECT_RADIOSITY, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 1, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
@@ -277,7 +279,9 @@ static void check_texture(const dgb_plan* plan, dgb_slot slot, bool wanted, dgb_
 static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
     const bool bounces = (desc->effects & DGB_EFFECT_BOUNCES) != 0,
                temporal = (desc->effects & DGB_EFFECT_TEMPORAL) != 0;
-    const bool light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0, deep = bounces && plan->layers > 1;
+    const bool light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0, reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0;
+    const bool deep =
+        (bounces || (light && reflect)) && plan->layers > 1; /* what is mirrored shows its bounced light */
     const dgb_format z = plan->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
     check_texture(plan, DGB_LAST_Z, bounces || temporal, z);
     if (bounces || temporal) /* they change places: one must be as the other */
@@ -778,6 +782,10 @@ static const struct {
      {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL},
      DGB_INVALID,
      DGB_LOG_TARGETS},
+    {"reflections of bounced light, no albedo",
+     {SIZE, .effects = 2 | DGB_EFFECT_REFLECT, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
     {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"target 16", {SIZE, .targets = 16}, DGB_INVALID, DGB_LOG_TARGETS},
     {"ao, no normal", {SIZE, .effects = DGB_EFFECT_AO, .targets = DGB_TARGET_RADIANCE}, DGB_INVALID, DGB_LOG_TARGETS},
@@ -959,6 +967,7 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_VELOCITY},
         {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
         {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+        {SIZE, .effects = 2 | DGB_EFFECT_REFLECT, .targets = DGB_TARGET_ALL & ~DGB_TARGET_VELOCITY},
         {SIZE, .effects = ALL_EFFECTS, .targets = DGB_TARGET_ALL},
         {SIZE, .effects = ALL_EFFECTS, .layers = 8},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},

@@ -2266,6 +2266,8 @@ static void test_inputs_that_are_needed(void** state) {
     check_inputs(2, BOTH | temporal, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND) | VELOCITY);
     check_inputs(1, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH, Z | B);
     check_inputs(2, DGB_EFFECT_REFLECT | ao, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND));
+    check_inputs(1, DGB_EFFECT_REFLECT | light, DGB_NORMALS_FROM_DEPTH, Z | B | ALBEDO);
+    check_inputs(2, DGB_EFFECT_REFLECT | light, DGB_NORMALS_FROM_DEPTH, (Z | B | ALBEDO) * (1 + SECOND));
     check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 1023);
 }
 

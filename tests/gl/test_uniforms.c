@@ -73,7 +73,8 @@ static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dg
 
 static const member reflect_members[] = {
     CAMERA("dgb_reflect_camera", dgb_reflect_uniforms, camera), VALUE("dgb_reflect_size", dgb_reflect_uniforms, size),
-    VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray), VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade)};
+    VALUE("dgb_reflect_rect", dgb_reflect_uniforms, rect), VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray),
+    VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade)};
 
 typedef struct block {
     const char* name;
