@@ -53,9 +53,9 @@ float dgb_blur(dgb_lobe lobe, float way) {
 
 const float DGB_MOST_WEIGHT = 4.0; // of a neighbour's ray: where lobes differ, one ray must not stand for all
 
-// Weight of a neighbour's ray. A miss has a direction, a hit a point, which from here lies in another direction and takes up
-// another angle.
-float dgb_reuse(dgb_lobe own, dgb_lobe other, vec4 hit) {
+// Weight of a neighbour's ray; zero light if it is not to be seen from here. A miss has a direction, a hit a point, which from
+// here lies in another direction and takes up another angle.
+float dgb_reuse(dgb_lobe own, dgb_lobe other, vec4 hit, inout vec4 light) {
     vec3  sent   = dgb_from_octahedral(hit.zw);
     vec3  to     = hit.x > 0.0 ? other.x + hit.y * sent - own.x : sent;
     float d2     = max(dot(to, to), 1e-30);
@@ -63,7 +63,8 @@ float dgb_reuse(dgb_lobe own, dgb_lobe other, vec4 hit) {
     float here   = dgb_ggx_density(own.v, own.n, l, own.alpha) * (hit.x > 0.0 ? hit.y * hit.y / d2 : 1.0);
     float there  = dgb_ggx_density(other.v, other.n, sent, other.alpha); // 0 of a mirror: no ray of a lobe
     float same   = dgb_bilateral_weight(own.n, other.n, other.x - own.x, dgb_glossy_sharpness.x, dgb_glossy_sharpness.y);
-    bool  usable = there > 0.0 && other.x.z > DGB_EMPTY_Z && dot(l, own.n) > DGB_MIN_COSINE;
+    bool  usable = there > 0.0 && other.x.z > DGB_EMPTY_Z;
+    light        = dot(l, own.n) > DGB_MIN_COSINE ? light : vec4(0.0); // below the horizon this pixel's rays miss as well
     return usable ? same * min(here / there, DGB_MOST_WEIGHT) : 0.0;
 }
 
@@ -88,8 +89,9 @@ dgb_mean dgb_mean_at(ivec2 pixel, dgb_lobe own) {
         bool  good = p != pixel && all(greaterThanEqual(p, dgb_glossy_rect.xy)) && all(lessThanEqual(p, dgb_glossy_rect.zw));
         p          = good ? p : pixel;
         hit        = texelFetch(dgb_reflection_hit, p, 0);
-        float weight = good ? dgb_reuse(own, dgb_lobe_at(p), hit) : 0.0;
-        mean.weighed += weight * dgb_weigh(texelFetch(dgb_reflection_raw, p, 0));
+        vec4  light  = dgb_weigh(texelFetch(dgb_reflection_raw, p, 0));
+        float weight = dgb_reuse(own, dgb_lobe_at(p), hit, light) * float(good);
+        mean.weighed += weight * light;
         mean.way += weight * dgb_way(hit);
         total += weight;
     }
