@@ -497,7 +497,7 @@ static void test_sliding(void** state) {
     for (frame = 0; frame < 8; ++frame) move(&s, 0.6f), show(&s);
     count_frames(&s, &least, &most);
     printf(", %d to %d in motion\n", least, most);
-    assert_true(most == 1);
+    assert_true(most <= 2);
     set_roughness(&s, 0.9f);
     s.view.cut = true, show(&s), s.view.cut = false;
     for (frame = 0; frame < 8; ++frame) move(&s, 0.02f), show(&s);
@@ -558,8 +558,8 @@ static void test_built_layers(void** state) {
     for (i = 0; i < count; ++i) {
         const uint16_t code = dgb_oct16_encode(a.m.texels[IMAGE_NORMAL][0] + 3 * i);
         normals[4 * i] = (float)(code & 255) / 255.0f, normals[4 * i + 1] = (float)(code >> 8) / 255.0f;
-        normals[4 * i + 2] = a.roughness[i] = (float)(i % 256) / 255.0f;
-        normals[4 * i + 3] = 1.0f; /* the engine's own */
+        normals[4 * i + 2] = a.roughness[i] = i % 3 ? 1.0f : 0.0f; /* the same in a byte */
+        normals[4 * i + 3] = 0.5f;                                 /* the engine's own */
         dgb_r11g11b10f_unpack(dgb_r11g11b10f_pack(a.m.texels[IMAGE_RADIANCE][0] + 3 * i),
                               a.m.texels[IMAGE_RADIANCE][0] + 3 * i);
     }
