@@ -26,7 +26,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
          camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps
-         reflect-steps reflect-distance reflect-thickness'
+         reflect-steps reflect-distance reflect-thickness roughness'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -108,6 +108,7 @@ refused_values --exposure    nan 31 bright
 refused_values --reflect-steps     0 -1 4097 1.5 many ''
 refused_values --reflect-distance  0 -1 nan inf far ''
 refused_values --reflect-thickness 0 -1 nan inf thick ''
+refused_values --roughness   -0.1 1.1 nan inf rough ''
 refused_values --frames      0 -1 1.5 few
 refused_values --orbit       nan 361 left
 refused_values --time        -1 nan inf soon ''
@@ -129,6 +130,7 @@ check "refused: layer 1 of one layer" refuses --layers 1
 refused --effects ao --dump irradiance0=e.pfm
 refused --effects gi --dump ao=ao.pfm
 refused --dump reflection=r.pfm
+refused --effects reflect --dump reflection_raw=r.pfm
 refused --ortho 5 --clip reversed-infinite
 refused --dump z0=missing/z0.pfm
 refused --json missing/report.json
@@ -415,6 +417,8 @@ check "--emit geometry renders"                hash_of --emit geometry
 check "--effects none, another picture"        another --effects none
 check "--effects ao,gi,reflect, the same picture" same --effects ao,gi,reflect
 check "--effects reflect renders"              hash_of --effects reflect
+check "--effects glossy, another picture"      another --effects ao,gi,glossy
+check "--roughness without glossy, the same picture" same --roughness 0.1
 hits() { # OPTION...: pixels whose mirrored ray meets something
     "$render" --size 160x90 --guard 16 --frames 1 --effects reflect --dump reflect_layer=reflect_hits.pfm "$@" >/dev/null &&
         pixels reflect_hits | awk '$1 > 0 { ++n } END { print n + 0 }'
