@@ -44,7 +44,8 @@
                     is a further frame in which nothing has moved: one bounce more, one set of taps more.
        5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, confidence),
                     AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere: a
-                    light probe, or a constant. dgbgl_composite_snippet has this as a GLSL function.
+                    light probe, or a constant. Mirrors and rough surfaces add their reflectance or environment BRDF times
+                    lerp(environment, L, confidence), both from DGB_REFLECTION. dgbgl_composite_snippet has these in GLSL.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -133,7 +134,8 @@
        environment map should be prefiltered and which your environment BRDF multiplies (split sum). Confidence is the share of
        the lobe that hits something. With TEMPORAL the frames are averaged, by history_weight: along the motion of the surface,
        and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
-       less. What moves in a mirror of a surface that stands still lags behind. Roughness 0 is the mirror, exactly.
+       less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
+       stands still lags behind. Roughness 0 is the mirror, exactly.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from

@@ -698,8 +698,8 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
     "\n"
-    "// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1. normal: camera space, any length. radiance: outgoing,\n"
-    "// W/(m2 sr): emission, and direct light if the material shader computes it.\n"
+    "// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1, but with glossy reflections material.x is the roughness.\n"
+    "// normal: camera space, any length. radiance: outgoing, W/(m2 sr): emission, and direct light if the material shader computes it.\n"
     "void dgb_store(vec4 albedo, vec3 normal, vec2 material, vec3 radiance) {\n"
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "    dgb_out_albedo = albedo;\n"
@@ -707,10 +707,10 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#ifdef DGB_NORMAL_LOCATION\n"
     "    dgb_out_normal = vec4(dgb_oct16_encode(normal), material);\n"
     "#endif\n"
-    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n",
     "    dgb_out_radiance = vec4(dgb_storable(radiance), 1.0);\n"
     "#endif\n"
-    "#ifdef DGB_VELOCITY_LOCATION\n",
+    "#ifdef DGB_VELOCITY_LOCATION\n"
     "    vec2 velocity    = dgb_velocity();\n"
     "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
     "#endif\n"
@@ -2089,7 +2089,7 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
 static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "#line 700001\n"
     "// Composite: the lines that an engine needs. A Lambert surface sends emission + direct + albedo / pi * dgb_fallback(...), a\n"
-    "// mirror its reflectance times dgb_mirror(...).\n"
+    "// mirror its reflectance times dgb_mirror(...), a rough surface its environment BRDF (split sum) times dgb_mirror(...).\n"
     "\n"
     "// Irradiance, W/m2. probe: what comes from where nothing is known: a light probe's irradiance for the normal, or a constant.\n"
     "// visibility: of DGB_AO; 1 without. irradiance: of DGB_IRRADIANCE; vec4(0) without.\n"
@@ -2097,7 +2097,8 @@ static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "    return mix(visibility * probe, irradiance.rgb, irradiance.a);\n"
     "}\n"
     "\n"
-    "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction. reflection: of DGB_REFLECTION.\n"
+    "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction, prefiltered for the roughness if glossy.\n"
+    "// reflection: of DGB_REFLECTION.\n"
     "vec3 dgb_mirror(vec3 environment, vec4 reflection) { return mix(environment, reflection.rgb, reflection.a); }\n",
     0
 };
