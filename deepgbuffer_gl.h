@@ -352,6 +352,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "const float DGB_MAX_DISTANCE = 1e15;\n"
     "const float DGB_EMPTY_Z      = -1e15; // packed z of no surface: so far away that it reaches nothing\n"
     "const float DGB_MIN_COSINE   = 0.017;\n"
+    "const float DGB_MIN_ROUGHNESS = 1.0 / 512.0;\n"
     "const int   DGB_LOG2_TILE    = 4; // tiles are 16 x 16 pixels\n"
     "\n"
     "struct dgb_camera {\n"
@@ -364,19 +365,22 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "// Oct16: two bytes as the unorm8 channels of a texture hold them.\n"
     "vec2 dgb_sign(vec2 v) { return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0); }\n"
     "\n"
-    "vec2 dgb_oct16_encode(vec3 n) {\n"
+    "// A direction on the unfolded octahedron, -1..1, and back.\n"
+    "vec2 dgb_octahedral(vec3 n) {\n"
     "    float s     = abs(n.x) + abs(n.y) + abs(n.z);\n"
     "    bool  valid = s > 1e-30 && s < 1e30;\n"
     "    vec2  p     = valid ? n.xy / s : vec2(0.0);\n"
-    "    if (valid && n.z < 0.0) p = (1.0 - abs(p.yx)) * dgb_sign(p);\n"
-    "    return (floor(p * 127.0 + 0.5) + 127.0) / 255.0;\n"
+    "    return valid && n.z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p;\n"
     "}\n"
     "\n"
-    "vec3 dgb_oct16_decode(vec2 bytes) {\n"
-    "    vec2  p = min(bytes * (255.0 / 127.0) - 1.0, 1.0);\n"
+    "vec3 dgb_from_octahedral(vec2 p) {\n"
     "    float z = 1.0 - abs(p.x) - abs(p.y);\n"
     "    return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));\n"
     "}\n"
+    "\n"
+    "vec2 dgb_oct16_encode(vec3 n) { return (floor(dgb_octahedral(n) * 127.0 + 0.5) + 127.0) / 255.0; }\n"
+    "\n"
+    "vec3 dgb_oct16_decode(vec2 bytes) { return dgb_from_octahedral(min(bytes * (255.0 / 127.0) - 1.0, 1.0)); }\n"
     "\n"
     "float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE) : 0.0; }\n"
     "\n"
@@ -400,6 +404,16 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return int(((h >> 24) + uint(frame) * 159u) & 255u);\n"
     "}\n"
     "\n"
+    "vec2 dgb_pixel_pair(ivec2 pixel, int frame) {\n"
+    "    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;\n"
+    "    h      = (h ^ (h >> 16)) * 0x7feb352du;\n"
+    "    h      = (h ^ (h >> 15)) * 0x846ca68bu;\n"
+    "    uint g = (h ^ (h >> 16)) * 0x2c1b3c6du;\n"
+    "    g      = (g ^ (g >> 15)) * 0x297a2d39u;\n"
+    "    uvec2 turns = uvec2(h, g) + uint(frame) * uvec2(3242174889u, 2447445414u);\n"
+    "    return (vec2(turns >> 9u) + 0.5) / 8388608.0;\n"
+    "}\n"
+    "\n"
     "int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {\n"
     "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - 127 - log2_q, min_level, max_level) : min_level;\n"
     "}\n"
@@ -417,7 +431,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "float dgb_linear_z(float depth, dgb_camera camera) {\n"
     "    float t           = depth - camera.footprint.w;\n"
-    "    float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);\n"
+    "    float z           = (camera.linearise.x + camera.linearise.y * t) / (camera.linearise.z + camera.linearise.w * t);\n",
     "    bool  perspective = camera.linearise.w != 0.0; // footprint.y says the same, but is one uniform more to read\n"
     "    return abs(z) <= DGB_MAX_DISTANCE && t != 0.0 && (!perspective || z < 0.0) ? z : 0.0;\n"
     "}\n"
@@ -432,7 +446,10 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    vec4 a = camera.position_z, b = camera.position_1;\n"
     "    return (point.xy - a.zw * point.z - b.zw) / (a.xy * point.z + b.xy);\n"
     "}\n"
-    "\n",
+    "\n"
+    "// Unit vector from the eye to a point.\n"
+    "vec3 dgb_view(vec3 point, dgb_camera camera) { return camera.footprint.y != 0.0 ? normalize(point) : vec3(0.0, 0.0, -1.0); }\n"
+    "\n"
     "#ifdef DGB_DIVISOR\n"
     "// Where in the image the texel of a layer lies that a pixel shows: deeper layers may have a lower resolution.\n"
     "vec2 dgb_centre(int layer, ivec2 pixel) {\n"
@@ -497,6 +514,31 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    float off    = max(abs(dot(dq, n)), abs(dot(dq, n2)));\n"
     "    float plane  = d2 > 0.0 ? max(1.0 - plane_sharpness * off * inversesqrt(d2), 0.0) : 1.0;\n"
     "    return normal * plane * plane;\n"
+    "}\n"
+    "\n"
+    "float dgb_ggx_alpha(float roughness) { return roughness >= DGB_MIN_ROUGHNESS ? (roughness < 1.0 ? roughness * roughness : 1.0) : 0.0; }\n"
+    "\n"
+    "vec3 dgb_ggx_normal(vec3 v, vec3 n, float alpha, vec2 u) {\n"
+    "    float along     = dot(v, n);\n"
+    "    vec3  stretched = normalize(alpha * (v - along * n) + max(along, 0.0) * n);\n",
+    "    // the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole down to its horizon\n"
+    "    float height = 1.0 - u.y * (1.0 + dot(stretched, n)), radius = sqrt(max(1.0 - height * height, 0.0)), turn = 2.0 * DGB_PI * u.x;\n"
+    "    float side   = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (side + n.z), b = n.x * n.y * a;\n"
+    "    vec3  s      = vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x), t = vec3(b, side + n.y * n.y * a, -n.y);\n"
+    "    vec3  m      = stretched + radius * (cos(turn) * s + sin(turn) * t) + height * n; // halfway\n"
+    "    float up     = dot(m, n);\n"
+    "    vec3  h      = normalize(alpha * (m - up * n) + up * n);\n"
+    "    return alpha > 0.0 ? (dot(v, h) >= 0.0 ? h : v) : n;\n"
+    "}\n"
+    "\n"
+    "float dgb_ggx_density(vec3 v, vec3 n, vec3 l, float alpha) {\n"
+    "    vec3  h       = v + l, off = cross(n, h);\n"
+    "    float h2      = dot(h, h), up = dot(h, n), a2 = alpha * alpha, k = a2 * up * up + dot(off, off);\n"
+    "    float along   = max(dot(v, n), 0.0);\n"
+    "    float masking = 2.0 * (along + sqrt(a2 + (1.0 - a2) * along * along)); // 4 n.v / G1\n"
+    "    float density = a2 * h2 * h2 / (DGB_PI * k * k * masking);\n"
+    "    if (!(alpha > 0.0)) return 0.0; // a test of its own: of two, compilers make one of the lesser, and NaN is not less\n"
+    "    return up > 0.0 ? density : 0.0;\n"
     "}\n",
     0
 };
@@ -656,8 +698,8 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "\n"
     "float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }\n"
     "\n"
-    "// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1. normal: camera space, any length. radiance: outgoing,\n"
-    "// W/(m2 sr): emission, and direct light if the material shader computes it.\n"
+    "// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1, but with glossy reflections material.x is the roughness.\n"
+    "// normal: camera space, any length. radiance: outgoing, W/(m2 sr): emission, and direct light if the material shader computes it.\n"
     "void dgb_store(vec4 albedo, vec3 normal, vec2 material, vec3 radiance) {\n"
     "#ifdef DGB_ALBEDO_LOCATION\n"
     "    dgb_out_albedo = albedo;\n"
@@ -665,10 +707,10 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "#ifdef DGB_NORMAL_LOCATION\n"
     "    dgb_out_normal = vec4(dgb_oct16_encode(normal), material);\n"
     "#endif\n"
-    "#ifdef DGB_RADIANCE_LOCATION\n"
+    "#ifdef DGB_RADIANCE_LOCATION\n",
     "    dgb_out_radiance = vec4(dgb_storable(radiance), 1.0);\n"
     "#endif\n"
-    "#ifdef DGB_VELOCITY_LOCATION\n",
+    "#ifdef DGB_VELOCITY_LOCATION\n"
     "    vec2 velocity    = dgb_velocity();\n"
     "    dgb_out_velocity = vec4(dgb_storable_velocity(velocity.x), dgb_storable_velocity(velocity.y), 0.0, 0.0);\n"
     "#endif\n"
@@ -755,7 +797,7 @@ static const char* const dgbgli_glsl_resolve[] = { /* 15_resolve.glsl */
 
 static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "#line 180001\n"
-    "// What the layers hold at a pixel, shared by pack and temporal; `layer` is constant wherever these are called.\n"
+    "// What the layers hold at a pixel, shared by pack, temporal, reflect and glossy; `layer` is constant wherever these are called.\n"
     "\n"
     "#if DGB_ENGINE_LAYERS\n"
     "uniform sampler2D dgb_engine_depth0;\n"
@@ -768,12 +810,14 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "uniform sampler2D dgb_engine_albedo1;\n"
     "uniform sampler2D dgb_engine_velocity0;\n"
     "uniform sampler2D dgb_engine_velocity1;\n"
+    "uniform sampler2D dgb_engine_roughness;\n"
     "\n"
     "float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }\n"
     "vec3  dgb_normal_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_normal0, p, 0).rgb : texelFetch(dgb_engine_normal1, p, 0).rgb; }\n"
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_albedo0, p, 0).rgb : texelFetch(dgb_engine_albedo1, p, 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_velocity0, p, 0).rgb : texelFetch(dgb_engine_velocity1, p, 0).rgb; }\n"
+    "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_engine_roughness, p, 0).r; }\n"
     "#else\n"
     "uniform sampler2DArray dgb_depth;\n"
     "uniform sampler2DArray dgb_normal;\n"
@@ -789,13 +833,19 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return texelFetch(dgb_albedo, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return texelFetch(dgb_velocity, dgb_texel(layer, p), 0).rgb; }\n"
+    "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_normal, ivec3(p, 0), 0).b; }\n"
     "#endif\n",
     0
 };
 
 static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "#line 190001\n"
-    "// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack and temporal.\n"
+    "// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack,\n"
+    "// temporal and glossy.\n"
+    "\n"
+    "const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history\n"
+    "const float DGB_MOST_FRAMES      = 64.0; // counted\n"
+    "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
     "\n"
     "struct dgb_reprojection {\n"
     "    dgb_camera last;\n"
@@ -870,7 +920,7 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "#if DGB_DEEP\n"
     "    vec4 e1 = texelFetch(dgb_last_irradiance1, texel, 0);\n"
     "    e       = layer == 1 ? e1 : e;\n"
-    "#endif\n"
+    "#endif\n",
     "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
     "}\n"
     "#endif\n",
@@ -1452,10 +1502,6 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "layout(location = 2) out vec4 dgb_out_irradiance1;\n"
     "#endif\n"
     "\n"
-    "const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history\n"
-    "const float DGB_MOST_FRAMES = 64.0; // counted\n"
-    "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
-    "\n"
     "struct dgb_history {\n"
     "    vec4  irradiance;\n"
     "    float frames, share; // share: of the bilinear weights that the surface still has\n"
@@ -1511,13 +1557,13 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec2  z        = texelFetch(dgb_z, pixel, 0).xy;\n"
     "    vec4  normals  = texelFetch(dgb_normals, pixel, 0);\n"
     "    dgb_out_frames = vec4(1.0, 0.0, 0.0, 0.0);\n"
-    "\n",
+    "\n"
     "    dgb_history h = dgb_history_of(0, pixel, z.x, normals.xy);\n"
     "#if DGB_LAST_LIGHT\n"
     "    vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);\n"
     "    vec4 filtered      = dgb_filtered(raw, h);\n"
     "    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;\n"
-    "#else\n"
+    "#else\n",
     "    dgb_filtered(vec4(0.0), h);\n"
     "#endif\n"
     "#if DGB_FILTER_AO\n"
@@ -1680,13 +1726,14 @@ static const char* const dgbgli_glsl_range[] = { /* 63_range.glsl */
 
 static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "#line 650001\n"
-    "// Mirror reflections: the reflected ray marched through the image, perspective-correct, against both layers. A hit is a ray that\n"
+    "// Reflections: the reflected ray marched through the image, perspective-correct, against both layers. A hit is a ray that\n"
     "// comes to lie behind a surface by no more than its thickness; everything else is a miss, which the engine fills from its\n"
     "// environment map.\n"
     "\n"
     "layout(std140) uniform dgb_reflect_block {\n"
     "    dgb_camera dgb_reflect_camera;\n"
-    "    ivec4      dgb_reflect_size; // buffer width, height, most steps\n"
+    "    ivec4      dgb_reflect_size; // buffer width, height, most steps, frame\n"
+    "    ivec4      dgb_reflect_rect; // where there is irradiance: x0, y0, x1, y1 inclusive\n"
     "    vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)\n"
     "    vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)\n"
     "    ivec4      dgb_reflect_skip; // log2 of the most steps skipped at once, of the least power of two >= pixels a step\n"
@@ -1701,9 +1748,15 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "#if DGB_HIERARCHICAL\n"
     "uniform sampler2D dgb_ranges;\n"
     "#endif\n"
+    "#if DGB_INDIRECT\n"
+    "uniform sampler2D dgb_irradiance;\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2D dgb_irradiance1;\n"
+    "#endif\n"
+    "#endif\n"
     "\n"
     "layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence\n"
-    "layout(location = 1) out vec4 dgb_out_hit;        // layer + 1, 0 for none; length of the ray (m)\n"
+    "layout(location = 1) out vec4 dgb_out_hit;        // layer + 1, 0 for none; length of the ray (m); glossy: its direction\n"
     "\n"
     "// A ray in the image: pixel, z / w and 1 / w are linear along it.\n"
     "struct dgb_ray {\n"
@@ -1759,11 +1812,11 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    return ray;\n"
     "}\n"
     "\n"
-    "// Whether the ray, at z now and at z_before one step ago, lies behind a surface within its thickness.\n"
+    "// Whether the ray, at z now and at z_before one step ago, lies behind a surface within its thickness.\n",
     "bool dgb_is_behind(float z, float z_before, float surface, float thickness) {\n"
     "    return surface > DGB_EMPTY_Z && z <= surface && max(z, z_before) >= surface - thickness;\n"
     "}\n"
-    "\n",
+    "\n"
     "// Whether the ray's own surface could not reach there: else a flat mirror sees itself in stripes. The shaded pixel itself never\n"
     "// is above, on either layer.\n"
     "bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {\n"
@@ -1835,12 +1888,12 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "bool dgb_is_clear(dgb_ray ray, float jitter, int first, int last, vec2 z, int log2_cell) {\n"
     "    vec2  a = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, first)), b = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, last));\n"
     "    ivec2 corner = clamp(ivec2(min(a, b)), ivec2(0), dgb_reflect_size.xy - 1);\n"
-    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n"
+    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n",
     "    float low = min(z.x, z.y), high = max(z.x, z.y);\n"
     "    low -= DGB_Z_ROUNDING * abs(low);\n"
     "    high += DGB_Z_ROUNDING * abs(high);\n"
     "    ++dgb_lookups;\n"
-    "    bool hits = dgb_may_hit(range.xy, low, high);\n",
+    "    bool hits = dgb_may_hit(range.xy, low, high);\n"
     "#if DGB_LAYERS > 1\n"
     "    hits = hits || dgb_may_hit(range.zw, low, high);\n"
     "#endif\n"
@@ -1908,15 +1961,41 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    return border * inside * facing;\n"
     "}\n"
     "\n"
+    "#if DGB_INDIRECT\n"
+    "// Irradiance of a layer as far as it is known: by its confidence, and none where nothing was shaded.\n"
+    "vec3 dgb_known(ivec2 texel, bool second) {\n"
+    "    vec4 e = texelFetch(dgb_irradiance, texel, 0);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    if (second) e = texelFetch(dgb_irradiance1, texel, 0);\n"
+    "#endif\n"
+    "    bool shaded = all(greaterThanEqual(texel, dgb_reflect_rect.xy)) && all(lessThanEqual(texel, dgb_reflect_rect.zw));\n"
+    "    return shaded ? e.rgb * e.a : vec3(0.0);\n"
+    "}\n"
+    "\n"
+    "// What a Lambert surface makes of the light that this frame has gathered: albedo/pi * E.\n"
+    "vec3 dgb_indirect(ivec2 texel, bool second) {\n"
+    "    vec3 albedo = dgb_albedo_at(0, texel);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    if (second) albedo = dgb_albedo_at(1, texel);\n"
+    "#endif\n"
+    "    return dgb_storable(albedo) / DGB_PI * dgb_known(texel, second);\n"
+    "}\n"
+    "#endif\n"
+    "\n"
     "void main() {\n"
     "    ivec2 pixel  = ivec2(gl_FragCoord.xy);\n"
     "    float z      = texelFetch(dgb_z, pixel, 0).x;\n"
     "    vec3  x      = dgb_position(gl_FragCoord.xy, z, dgb_reflect_camera);\n"
     "    vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
-    "    bool  perspective = dgb_reflect_camera.footprint.y != 0.0;\n"
-    "    vec3  view   = perspective ? normalize(x) : vec3(0.0, 0.0, -1.0);\n"
-    "    float jitter = (float(dgb_pixel_hash(pixel, 0)) + 0.5) / 256.0; // nothing averages the frames: always the same\n"
-    "    dgb_ray ray  = dgb_ray_of(x, n, reflect(view, n));\n"
+    "    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;\n",
+    "    int   frame  = 0; // nothing averages the frames of a mirror: always the same\n"
+    "#if DGB_GLOSSY\n"
+    "    float alpha = dgb_ggx_alpha(dgb_roughness_at(pixel));\n"
+    "    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;\n"
+    "    facet       = dgb_ggx_normal(-view, n, alpha, dgb_pixel_pair(pixel, frame));\n"
+    "#endif\n"
+    "    float jitter = (float(dgb_pixel_hash(pixel, frame)) + 0.5) / 256.0;\n"
+    "    dgb_ray ray  = dgb_ray_of(x, n, reflect(view, facet));\n"
     "    dgb_hit hit  = dgb_march(ray, jitter);\n"
     "\n"
     "    vec4 normals = texelFetch(dgb_normals, hit.texel, 0);\n"
@@ -1927,13 +2006,193 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    second = hit.layer == 1;\n"
     "    light  = second ? texelFetch(dgb_b1, hit.texel, 0).rgb : light;\n"
     "#endif\n"
+    "#if DGB_INDIRECT\n"
+    "    light += dgb_indirect(hit.texel, second);\n"
+    "#endif\n"
     "    float trust    = hit.layer < 0 ? 0.0 : dgb_trust(hit, ray, dgb_oct16_decode(second ? normals.zw : normals.xy));\n"
     "    vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);\n"
     "    dgb_out_reflection = trust > 0.0 ? vec4(dgb_storable(light), trust) : vec4(0.0);\n"
-    "    dgb_out_hit        = trust > 0.0 ? vec4(hit.layer + 1, min(length(there - x), DGB_MAX_RADIANCE), 0.0, 0.0) : vec4(0.0);\n",
+    "    dgb_out_hit        = trust > 0.0 ? vec4(hit.layer + 1, min(length(there - x), DGB_MAX_RADIANCE), 0.0, 0.0) : vec4(0.0);\n"
     "#ifdef DGB_COUNT_LOOKUPS\n"
     "    dgb_out_hit.y = float(dgb_lookups);\n"
     "#endif\n"
+    "#if DGB_GLOSSY\n"
+    "    dgb_out_hit.zw = dgb_octahedral(ray.direction);\n"
+    "#endif\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
+    "#line 680001\n"
+    "// Glossy reflections: the radiance of a lobe, from the one ray that each pixel of it sends, those of neighbours on the same\n"
+    "// surface, and those of frames before. A neighbour's ray counts as much as this pixel's lobe would rather have sent it:\n"
+    "// density here over density there (ratio estimator; Stachowiak 2015). Misses count as confidence 0, not as black.\n"
+    "\n"
+    "layout(std140) uniform dgb_glossy_block {\n"
+    "    dgb_camera       dgb_glossy_camera;\n"
+    "    ivec4            dgb_glossy_rect;    // where there are reflections: x0, y0, x1, y1 inclusive\n"
+    "    ivec4            dgb_glossy_size;    // taps, frame\n"
+    "    vec4             dgb_glossy_reach;   // largest radius (pixels), longest ray (m), weight of history\n"
+    "    vec4             dgb_glossy_sharpness; // normal, plane\n"
+    "    dgb_reprojection dgb_glossy_past;\n"
+    "    vec4             dgb_glossy_taps[DGB_MAX_GLOSSY_TAPS];\n"
+    "};\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "uniform sampler2D dgb_normals;\n"
+    "uniform sampler2D dgb_reflection_raw;\n"
+    "uniform sampler2D dgb_reflection_hit;\n"
+    "#if DGB_HISTORY\n"
+    "uniform sampler2D dgb_last_reflection;\n"
+    "uniform sampler2D dgb_last_reflection_frames;\n"
+    "#endif\n"
+    "\n"
+    "layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence\n"
+    "#if DGB_HISTORY\n"
+    "layout(location = 1) out vec4 dgb_out_frames; // averaged, in steps of 1 / 255\n"
+    "#endif\n"
+    "\n"
+    "// The lobe of a pixel.\n"
+    "struct dgb_lobe {\n"
+    "    vec3  x, n, v; // v: towards the eye\n"
+    "    float alpha;   // 0: a mirror\n"
+    "};\n"
+    "\n"
+    "dgb_lobe dgb_lobe_at(ivec2 pixel) {\n"
+    "    dgb_lobe lobe;\n"
+    "    lobe.x     = dgb_position(vec2(pixel) + 0.5, texelFetch(dgb_z, pixel, 0).x, dgb_glossy_camera);\n"
+    "    lobe.n     = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
+    "    lobe.v     = -dgb_view(lobe.x, dgb_glossy_camera);\n"
+    "    lobe.alpha = dgb_ggx_alpha(dgb_roughness_at(pixel));\n"
+    "    return lobe;\n"
+    "}\n"
+    "\n"
+    "// The way of a ray, m: misses went all of it.\n"
+    "float dgb_way(vec4 hit) { return hit.x > 0.0 ? hit.y : dgb_glossy_reach.y; }\n"
+    "\n"
+    "// A mirrored point a way off appears as far behind the surface. A microfacet turned by alpha shifts it by twice that angle.\n"
+    "vec3 dgb_image_of(dgb_lobe lobe, float way) { return lobe.x - way * lobe.v; }\n"
+    "\n"
+    "float dgb_blur(dgb_lobe lobe, float way) {\n"
+    "    return 2.0 * lobe.alpha * way * dgb_pixels_per_metre(dgb_image_of(lobe, way).z, dgb_glossy_camera);\n"
+    "}\n"
+    "\n"
+    "const float DGB_MOST_WEIGHT = 4.0; // of a neighbour's ray: where lobes differ, one ray must not stand for all\n"
+    "\n"
+    "// Weight of a neighbour's ray; zero light if it is not to be seen from here. A miss has a direction, a hit a point, which from\n"
+    "// here lies in another direction and takes up another angle.\n"
+    "float dgb_reuse(dgb_lobe own, dgb_lobe other, vec4 hit, inout vec4 light) {\n"
+    "    vec3  sent   = dgb_from_octahedral(hit.zw);\n"
+    "    vec3  to     = hit.x > 0.0 ? other.x + hit.y * sent - own.x : sent;\n"
+    "    float d2     = max(dot(to, to), 1e-30);\n"
+    "    vec3  l      = to * inversesqrt(d2);\n"
+    "    float here   = dgb_ggx_density(own.v, own.n, l, own.alpha) * (hit.x > 0.0 ? hit.y * hit.y / d2 : 1.0);\n"
+    "    float there  = dgb_ggx_density(other.v, other.n, sent, other.alpha); // 0 of a mirror: no ray of a lobe\n"
+    "    float same   = dgb_bilateral_weight(own.n, other.n, other.x - own.x, dgb_glossy_sharpness.x, dgb_glossy_sharpness.y);\n"
+    "    bool  usable = there > 0.0 && other.x.z > DGB_EMPTY_Z;\n"
+    "    light        = dot(l, own.n) > DGB_MIN_COSINE ? light : vec4(0.0); // below the horizon this pixel's rays miss as well\n"
+    "    return usable ? same * min(here / there, DGB_MOST_WEIGHT) : 0.0;\n"
+    "}\n"
+    "\n"
+    "struct dgb_mean {\n"
+    "    vec4  weighed; // radiance times confidence, confidence\n"
+    "    float way;     // m\n"
+    "};\n"
+    "\n"
+    "// Of this pixel's ray and those of its neighbours within the radius. A mirror has its own ray alone.\n"
+    "dgb_mean dgb_mean_at(ivec2 pixel, dgb_lobe own) {\n"
+    "    vec4     hit    = texelFetch(dgb_reflection_hit, pixel, 0);\n"
+    "    float    radius = min(dgb_blur(own, dgb_way(hit)), dgb_glossy_reach.x), total = 1.0;\n"
+    "    float    angle  = 2.0 * DGB_PI / 256.0 * float(dgb_pixel_hash(pixel, dgb_glossy_size.y));\n"
+    "    vec2     turn   = vec2(cos(angle), sin(angle));\n",
+    "    dgb_mean mean;\n"
+    "    mean.weighed = dgb_weigh(texelFetch(dgb_reflection_raw, pixel, 0));\n"
+    "    mean.way     = dgb_way(hit);\n"
+    "    for (int i = radius >= 0.5 ? 0 : dgb_glossy_size.x; i < dgb_glossy_size.x; ++i) {\n"
+    "        vec4  tap  = dgb_glossy_taps[i];\n"
+    "        vec2  at   = vec2(tap.x * turn.x - tap.y * turn.y, tap.x * turn.y + tap.y * turn.x);\n"
+    "        ivec2 p    = ivec2(floor(vec2(pixel) + 0.5 + radius * tap.z * at));\n"
+    "        bool  good = p != pixel && all(greaterThanEqual(p, dgb_glossy_rect.xy)) && all(lessThanEqual(p, dgb_glossy_rect.zw));\n"
+    "        p          = good ? p : pixel;\n"
+    "        hit        = texelFetch(dgb_reflection_hit, p, 0);\n"
+    "        vec4  light  = dgb_weigh(texelFetch(dgb_reflection_raw, p, 0));\n"
+    "        float weight = dgb_reuse(own, dgb_lobe_at(p), hit, light) * float(good);\n"
+    "        mean.weighed += weight * light;\n"
+    "        mean.way += weight * dgb_way(hit);\n"
+    "        total += weight;\n"
+    "    }\n"
+    "    mean.weighed /= total;\n"
+    "    mean.way /= total;\n"
+    "    return mean;\n"
+    "}\n"
+    "\n"
+    "#if DGB_HISTORY\n"
+    "struct dgb_history {\n"
+    "    vec4  weighed;\n"
+    "    float frames;\n"
+    "};\n"
+    "\n"
+    "vec4 dgb_last_reflection_at(ivec2 texel) {\n"
+    "    vec4 e = texelFetch(dgb_last_reflection, texel, 0);\n"
+    "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
+    "}\n"
+    "\n"
+    "dgb_history dgb_history_at(dgb_past past) {\n"
+    "    vec2        low = floor(past.pixel - 0.5), part = past.pixel - 0.5 - low;\n"
+    "    float       share = 0.0;\n"
+    "    dgb_history h;\n"
+    "    h.weighed = vec4(0.0);\n"
+    "    h.frames  = 0.0;\n"
+    "    for (int i = past.tolerance < 0.0 ? 4 : 0; i < 4; ++i) {\n"
+    "        ivec2 corner = ivec2(i & 1, i >> 1);\n"
+    "        ivec2 texel  = clamp(ivec2(low) + corner, dgb_glossy_past.rect.xy, dgb_glossy_past.rect.zw);\n"
+    "        vec2  w      = mix(1.0 - part, part, vec2(corner));\n"
+    "        float weight = dgb_past_layer(texel, past, dgb_glossy_past) == 0 ? w.x * w.y : 0.0;\n"
+    "        share += weight;\n"
+    "        h.weighed += weight * dgb_weigh(dgb_last_reflection_at(texel));\n"
+    "        h.frames += weight * 255.0 * texelFetch(dgb_last_reflection_frames, texel, 0).x;\n"
+    "    }\n"
+    "    float whole = share > DGB_LEAST_SHARE ? 1.0 / share : 0.0;\n"
+    "    h.weighed *= whole;\n"
+    "    h.frames *= whole;\n"
+    "    return h;\n"
+    "}\n"
+    "\n"
+    "// Pixels by which the mirrored image has slid over its surface since last frame: it moves with what is behind the surface.\n"
+    "float dgb_slide(dgb_lobe lobe, float way, dgb_past past) {\n"
+    "    vec4 a = dgb_glossy_past.to_last[0], b = dgb_glossy_past.to_last[1], c = dgb_glossy_past.to_last[2];\n"
+    "    vec4 x = vec4(lobe.x, 1.0), image = vec4(dgb_image_of(lobe, way), 1.0);\n"
+    "    vec2 surface = dgb_project(vec3(dot(a, x), dot(b, x), dot(c, x)), dgb_glossy_past.last);\n"
+    "    vec2 behind  = dgb_project(vec3(dot(a, image), dot(b, image), dot(c, image)), dgb_glossy_past.last);\n"
+    "    return length(behind - surface);\n"
+    "}\n"
+    "\n"
+    "// History that has slid farther than the lobe blurs is of other things: frames count less the farther. A mirror has none.\n"
+    "dgb_history dgb_usable_history(ivec2 pixel, dgb_lobe lobe, float way) {\n"
+    "    vec2        at   = vec2(pixel) + 0.5;\n"
+    "    dgb_past    past = dgb_past_of(at, lobe.x, lobe.n, dgb_velocity_at(0, pixel), dgb_glossy_past);\n"
+    "    dgb_history h    = dgb_history_at(past);\n"
+    "    float       kept = dgb_blur(lobe, way) - dgb_slide(lobe, way, past);\n"
+    "    h.frames *= kept > 0.0 ? min(kept, 1.0) : 0.0;\n"
+    "    return h;\n"
+    "}\n"
+    "#endif\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2    pixel = ivec2(gl_FragCoord.xy);\n"
+    "    vec4     raw   = texelFetch(dgb_reflection_raw, pixel, 0);\n"
+    "    dgb_lobe own   = dgb_lobe_at(pixel);\n"
+    "    bool     rough = own.alpha > 0.0 && own.x.z > DGB_EMPTY_Z;\n"
+    "    dgb_mean mean  = dgb_mean_at(pixel, own);\n"
+    "#if DGB_HISTORY\n"
+    "    dgb_history h  = dgb_usable_history(pixel, own, mean.way);\n"
+    "    mean.weighed   = mix(mean.weighed, h.weighed, min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z));\n"
+    "    dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);\n"
+    "#endif\n"
+    "    vec4 filtered      = dgb_unweigh(mean.weighed);\n"
+    "    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);\n",
+    "    dgb_out_reflection = rough ? filtered : raw;\n"
     "}\n",
     0
 };
@@ -1941,7 +2200,7 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
 static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "#line 700001\n"
     "// Composite: the lines that an engine needs. A Lambert surface sends emission + direct + albedo / pi * dgb_fallback(...), a\n"
-    "// mirror its reflectance times dgb_mirror(...).\n"
+    "// mirror its reflectance times dgb_mirror(...), a rough surface its environment BRDF (split sum) times dgb_mirror(...).\n"
     "\n"
     "// Irradiance, W/m2. probe: what comes from where nothing is known: a light probe's irradiance for the normal, or a constant.\n"
     "// visibility: of DGB_AO; 1 without. irradiance: of DGB_IRRADIANCE; vec4(0) without.\n"
@@ -1949,7 +2208,8 @@ static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "    return mix(visibility * probe, irradiance.rgb, irradiance.a);\n"
     "}\n"
     "\n"
-    "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction. reflection: of DGB_REFLECTION.\n"
+    "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction, prefiltered for the roughness if glossy.\n"
+    "// reflection: of DGB_REFLECTION.\n"
     "vec3 dgb_mirror(vec3 environment, vec4 reflection) { return mix(environment, reflection.rgb, reflection.a); }\n",
     0
 };
@@ -2543,6 +2803,7 @@ static void dgbgli_put_pass_head(dgbgli_text* t, const dgb_program_desc* d, int 
     dgbgli_put_precision(t, es);
     dgbgli_put_define(t, "DGB_MAX_TAPS", DGB_MAX_TAPS);
     dgbgli_put_define(t, "DGB_MAX_FILTER_RADIUS", DGB_MAX_FILTER_RADIUS);
+    dgbgli_put_define(t, "DGB_MAX_GLOSSY_TAPS", DGB_MAX_GLOSSY_TAPS);
     for (i = 0; i < d->define_count; ++i) dgbgli_put_define(t, d->defines[i].name, d->defines[i].value);
 }
 
@@ -2554,10 +2815,10 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
     if (pass == DGB_PASS_TILES || pass == DGB_PASS_RANGE) dgbgli_add_chunks(c, dgbgli_glsl_depths);
-    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL) {
+    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_REFLECT || pass == DGB_PASS_GLOSSY)
         dgbgli_add_chunks(c, dgbgli_glsl_source);
+    if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_GLOSSY)
         dgbgli_add_chunks(c, dgbgli_glsl_history);
-    }
     switch (pass) {
     case DGB_PASS_RESOLVE: dgbgli_add_chunks(c, dgbgli_glsl_resolve); break;
     case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
@@ -2569,6 +2830,7 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     case DGB_PASS_RECONSTRUCT: dgbgli_add_chunks(c, dgbgli_glsl_reconstruct); break;
     case DGB_PASS_RANGE: dgbgli_add_chunks(c, dgbgli_glsl_range); break;
     case DGB_PASS_REFLECT: dgbgli_add_chunks(c, dgbgli_glsl_reflect); break;
+    case DGB_PASS_GLOSSY: dgbgli_add_chunks(c, dgbgli_glsl_glossy); break;
     case DGB_PASS_LAYERS: /* the engine's own */
     case DGB_PASS_PREDICT:
     case DGB_PASS_COUNT: break;
@@ -2643,23 +2905,30 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_TILE_DEPTHS:
     case DGB_ENGINE_DEPTH0: return 0;
     case DGB_NORMALS:
-    case DGB_NORMAL:
     case DGB_REGION_DEPTHS:
     case DGB_ENGINE_NORMAL0: return 1;
     case DGB_B0:
+    case DGB_REFLECTION_RAW:
     case DGB_RADIANCE:
     case DGB_AO_RAW:
     case DGB_ENGINE_RADIANCE0: return 2;
     case DGB_B1:
+    case DGB_REFLECTION_HIT:
     case DGB_IRRADIANCE_RAW:
     case DGB_ENGINE_DEPTH1: return 3;
     case DGB_ROTATIONS:
     case DGB_IRRADIANCE1_RAW:
     case DGB_ENGINE_NORMAL1: return 4;
+    case DGB_NORMAL: /* with roughness */
+    case DGB_ENGINE_ROUGHNESS:
     case DGB_ENGINE_RADIANCE1: return 5;
     case DGB_LAST_Z: return 6;
-    case DGB_LAST_IRRADIANCE: return 7;
-    case DGB_LAST_IRRADIANCE1: return 8;
+    case DGB_LAST_IRRADIANCE:
+    case DGB_LAST_REFLECTION:
+    case DGB_IRRADIANCE: return 7;
+    case DGB_LAST_IRRADIANCE1:
+    case DGB_LAST_REFLECTION_FRAMES:
+    case DGB_IRRADIANCE1: return 8;
     case DGB_VELOCITY:
     case DGB_ENGINE_VELOCITY0: return 9;
     case DGB_ENGINE_VELOCITY1: return 10;

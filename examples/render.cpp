@@ -262,6 +262,7 @@ RendererDesc Run::renderer_desc(const dgb_desc& layers, PassTimes* times) const 
     desc.lights = &*lights_;
     desc.sky = sky_;
     desc.probe = probe_;
+    desc.roughness = options_.roughness;
     desc.times = times;
     return desc;
 }
