@@ -110,7 +110,13 @@ Scene make_zoo() {
     scene.materials[kWall].base_color = vec4(0.6f, 0.5f, 0.4f, 1.0f);
     scene.materials[kWall].base_color_texture = add_checkers(&scene, false);
     scene.materials[kMask].alpha_mode = AlphaMode::mask;
-    scene.materials[kMask].base_color_texture = add_checkers(&scene, true);
+    const int checkers = scene.materials[kMask].base_color_texture = add_checkers(&scene, true);
+    scene.materials[kMask].normal_texture = scene.materials[kGlow].normal_texture = checkers;
+    scene.materials[kMask].normal_scale = 0.5f;
+    scene.materials[kMask].emissive = vec3(0.3f);
+    scene.materials[kMask].emissive_texture = checkers;
+    scene.materials[kMask].metallic = 0.5f;
+    scene.materials[kMask].metallic_roughness_texture = checkers;
     scene.materials[kCloth].base_color = vec4(0.7f, 0.1f, 0.2f, 1.0f);
     scene.materials[kCloth].double_sided = true;
     scene.materials[kGlow].base_color = vec4(0.2f, 0.2f, 0.9f, 1.0f);
@@ -120,6 +126,8 @@ Scene make_zoo() {
     scene.materials[kMetal].metallic = 0.75f;
     scene.materials[kGlass].alpha_mode = AlphaMode::blend;
     for (int material = 0; material < kStuffCount; ++material) { scene.meshes.push_back(square(material)); }
+
+    for (Vertex& vertex : scene.meshes[kFlatColor].vertices) { vertex.normal = vec3(0.6f, 0.0f, 0.8f); }
 
     scene.nodes.push_back(node_at(at(vec3(0.0f, 0.0f, -6.0f), vec3(7.0f)), kWall));
     for (Vertex& vertex : scene.meshes[kMask].vertices) { vertex.uv = 2.5f * vertex.uv - 0.3f; }
@@ -518,7 +526,11 @@ void test_zoo(void**) {
         const std::vector<bool> lit = lit_pixels(scene, traced[0]);
         const auto light_differs = [&](size_t i, size_t j) { return lit[i] != lit[j]; };
         const auto texel_differs = [&](size_t i, size_t j) {
-            return traced[0][i].albedo != traced[0][j].albedo || traced[1][i].albedo != traced[1][j].albedo;
+            const auto differs = [=](const std::vector<Surface>& layer) {
+                return glm::distance(layer[i].albedo, layer[j].albedo) > 0.05f ||
+                       glm::distance(layer[i].normal, layer[j].normal) > 0.05f;
+            };
+            return differs(traced[0]) || differs(traced[1]);
         };
         Count z, albedo, normal, radiance;
         for (size_t i = 0; i < view.pixels(); ++i) {
