@@ -124,8 +124,8 @@ private:
     int columns_;
 };
 
-// Runs work(row) for every row on all cores. Results do not depend on how many there are.
-void for_each_row(int rows, const std::function<void(int row)>& work);
+// Runs work(i) for every i below count, on all cores and in any order.
+void for_each(size_t count, const std::function<void(size_t i)>& work);
 
 // ---- Layers ---------------------------------------------------------------------------------------------
 
@@ -133,15 +133,24 @@ void for_each_row(int rows, const std::function<void(int row)>& work);
 std::vector<std::vector<Surface>> trace_layers(const ReferenceScene& scene, const ReferenceView& view, int layers,
                                                float separation);
 
-// ---- Mirror ---------------------------------------------------------------------------------------------
+// ---- Points --------------------------------------------------------------------------------------------
 
-struct MirrorPoint {
+// Where a mirror stands, or light arrives.
+struct SurfacePoint {
     glm::vec3 position{0.0f};
     glm::vec3 normal{0.0f}; // unit; 0: there is no surface
-    // How far off the surface the ray starts, along the normal, metres. It must be more than the error of the position, or
-    // the ray hits what it comes from; what is nearer than this is not seen.
+    // How far off the surface rays start, along the normal, metres. It must be more than the error of the position, or
+    // they hit what they come from; what is nearer than this is not seen.
     float lift = 0.0f;
 };
+
+// Points of a picture: of the camera z and camera-space unit normals that SceneRenderer::read_z and read_normals give, which
+// have no guard band, or of a layer traced. lift is 1e-4 of the distance from the eye, respectively 1e-5 of the position.
+std::vector<SurfacePoint> surface_points(const ReferenceView& view, const std::vector<float>& z,
+                                         const std::vector<float>& normals);
+std::vector<SurfacePoint> surface_points(const std::vector<Surface>& layer);
+
+// ---- Mirror --------------------------------------------------------------------------------------------
 
 enum class MirrorState {
     none, // there is no surface, or the reflected ray goes into it: the normal is turned away from the eye
@@ -156,12 +165,6 @@ struct MirrorHit {
     glm::vec3 radiance{0.0f};  // outgoing() at a hit, the sky's at a miss, W/m2/sr
 };
 
-// Points of a picture: of the camera z and camera-space unit normals that SceneRenderer::read_z and read_normals give, which
-// have no guard band, or of a layer traced. lift is 1e-4 of the distance from the eye, respectively 1e-5 of the position.
-std::vector<MirrorPoint> mirror_points(const ReferenceView& view, const std::vector<float>& z,
-                                       const std::vector<float>& normals);
-std::vector<MirrorPoint> mirror_points(const std::vector<Surface>& layer);
-
 // One ray a pixel, of any length. faces: front is what the examples would draw there.
 std::vector<MirrorHit> trace_mirror(const ReferenceScene& scene, const ReferenceView& view,
-                                    const std::vector<MirrorPoint>& points, Faces faces = Faces::front);
+                                    const std::vector<SurfacePoint>& points, Faces faces = Faces::front);

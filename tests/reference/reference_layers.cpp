@@ -14,14 +14,17 @@ using glm::dvec3;
 using glm::dvec4;
 using glm::vec3;
 
-void for_each_row(int rows, const std::function<void(int row)>& work) {
-    std::atomic<int> next{0};
-    const auto take_rows = [&] {
-        for (int row = next++; row < rows; row = next++) { work(row); }
+void for_each(size_t count, const std::function<void(size_t i)>& work) {
+    constexpr size_t kShare = 64; // of the work, taken at once
+    std::atomic<size_t> next{0};
+    const auto take_shares = [&] {
+        for (size_t first = next.fetch_add(kShare); first < count; first = next.fetch_add(kShare)) {
+            for (size_t i = first; i < std::min(first + kShare, count); ++i) { work(i); }
+        }
     };
     std::vector<std::thread> helpers;
-    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) { helpers.emplace_back(take_rows); }
-    take_rows();
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) { helpers.emplace_back(take_shares); }
+    take_shares();
     for (std::thread& helper : helpers) { helper.join(); }
 }
 
@@ -71,17 +74,14 @@ std::vector<std::vector<Surface>> trace_layers(const ReferenceScene& scene, cons
                                                float separation) {
     const PixelRays rays(view);
     std::vector<std::vector<Surface>> result(size_t(layers), std::vector<Surface>(view.pixels()));
-    for_each_row(view.rows(), [&](int row) {
-        const size_t first = size_t(row) * size_t(view.columns());
-        for (size_t i = first; i < first + size_t(view.columns()); ++i) {
-            Ray ray = rays.through(i);
-            for (std::vector<Surface>& layer : result) {
-                Surface surface = scene.closest(ray, Faces::front);
-                if (!surface.found()) { break; }
-                surface.z = rays.z_of(surface.position);
-                step_behind(surface, separation, rays.depth_along(ray), &ray);
-                layer[i] = surface;
-            }
+    for_each(view.pixels(), [&](size_t i) {
+        Ray ray = rays.through(i);
+        for (std::vector<Surface>& layer : result) {
+            Surface surface = scene.closest(ray, Faces::front);
+            if (!surface.found()) { break; }
+            surface.z = rays.z_of(surface.position);
+            step_behind(surface, separation, rays.depth_along(ray), &ray);
+            layer[i] = surface;
         }
     });
     return result;

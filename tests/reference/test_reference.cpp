@@ -620,8 +620,8 @@ void test_mirror_of_hall(void**) {
     view.guard = 3;
     const PixelRays rays(view);
     const std::vector<Surface> first = trace_layers(scene, view, 1, 0.0f)[0];
-    const std::vector<MirrorHit> hits = trace_mirror(scene, view, mirror_points(first));
-    const std::vector<MirrorHit> from_behind = trace_mirror(scene, view, mirror_points(first), Faces::both);
+    const std::vector<MirrorHit> hits = trace_mirror(scene, view, surface_points(first));
+    const std::vector<MirrorHit> from_behind = trace_mirror(scene, view, surface_points(first), Faces::both);
     int on_wall = 0, in_sky = 0;
     for (size_t i = 0; i < view.pixels(); ++i) {
         if (!first[i].found() || first[i].part != 0) { continue; }
@@ -661,8 +661,8 @@ void test_mirror_without_rays(void**) {
     view.width = 2;
     view.height = 1;
     view.projection = glm::perspectiveRH_NO(1.0f, 2.0f, 0.1f, 100.0f);
-    const std::vector<MirrorPoint> points = {{vec3(0.0f), vec3(0.0f), 0.0f},
-                                             {vec3(0.0f, 1.0f, -2.0f), vec3(0.0f, 0.0f, -1.0f), 0.0f}};
+    const std::vector<SurfacePoint> points = {{vec3(0.0f), vec3(0.0f), 0.0f},
+                                              {vec3(0.0f, 1.0f, -2.0f), vec3(0.0f, 0.0f, -1.0f), 0.0f}};
     for (const MirrorHit& hit : trace_mirror(scene, view, points)) { assert_true(hit.state == MirrorState::none); }
 }
 
@@ -677,8 +677,9 @@ void test_mirror_of_buffers(void**) {
     const ReferenceScene scene(atrium, current_pose(atrium), {sun_light(vec3(0.25f, 0.9f, 0.3f), 6.0f)});
     const std::vector<Surface> traced = trace_layers(scene, view, 1, 0.0f)[0];
     const DrawnLayer drawn = draw(shot)[0];
-    const std::vector<MirrorPoint> stored = mirror_points(view, drawn.z, drawn.normal), exact = mirror_points(traced);
-    std::vector<MirrorPoint> mixed = exact;
+    const std::vector<SurfacePoint> stored = surface_points(view, drawn.z, drawn.normal),
+                                    exact = surface_points(traced);
+    std::vector<SurfacePoint> mixed = exact;
     for (size_t i = 0; i < mixed.size(); ++i) { mixed[i].normal = stored[i].normal; }
     const auto of_stored = trace_mirror(scene, view, stored), of_exact = trace_mirror(scene, view, exact),
                of_mixed = trace_mirror(scene, view, mixed);
