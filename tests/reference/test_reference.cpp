@@ -2,6 +2,7 @@
 #include "headless.h"
 #include "reference.hpp"
 #include "scene_renderer.hpp"
+#include "test_scenes.hpp"
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -39,32 +40,6 @@ int close_context(void**) {
 }
 
 // ---- Scenes ---------------------------------------------------------------------------------------------
-
-// A square of two triangles around the origin, 2 m wide, that faces +Z.
-Mesh square(int material) {
-    Mesh mesh;
-    for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)}) {
-        Vertex vertex;
-        vertex.position = vec3(corner, 0.0f);
-        vertex.normal = vec3(0.0f, 0.0f, 1.0f);
-        vertex.uv = 0.5f + 0.5f * corner;
-        mesh.vertices.push_back(vertex);
-    }
-    mesh.indices = {0, 1, 2, 0, 2, 3};
-    mesh.material = material;
-    return mesh;
-}
-
-Node node_at(const glm::mat4& world, int mesh) {
-    Node node;
-    node.local = node.world = world;
-    node.meshes = {mesh};
-    return node;
-}
-
-glm::mat4 at(vec3 place, vec3 size = vec3(1.0f), float degrees = 0.0f, vec3 axis = vec3(0.0f, 1.0f, 0.0f)) {
-    return glm::scale(glm::rotate(glm::translate(glm::mat4(1.0f), place), glm::radians(degrees), axis), size);
-}
 
 // 8 x 8 texels without filter: no level of detail that could differ.
 int add_checkers(Scene* scene, bool alpha) {
