@@ -6,6 +6,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -200,18 +201,24 @@ void test_parallel_squares(void**) {
 
 // ---- The paper's obscurance -----------------------------------------------------------------------------
 
-// The sum that Equation 1 takes the root of, by a fine grid in distance and angle. meets(tap) is the offset from the point to
-// what a tap meets that lies `tap` metres from it on the floor's plane.
+using TwoOffsets = std::array<dvec3, 2>; // from the point, to what a tap meets in its two layers
+
+double obscurance(dvec3 v, const ObscuranceOptions& options) {
+    const double square = dot(v, v), fade = 1.0 - square / (double(options.radius) * double(options.radius));
+    const double cosine = (v.z - double(options.beta)) / std::sqrt(square + double(options.epsilon));
+    return std::max(fade, 0.0) * std::max(cosine, 0.0);
+}
+
+// The sum that Equation 1 takes the root of, by a fine grid in distance and angle. meets: of a tap that many metres away on
+// the floor's plane.
 template <typename Meets>
 double quadrature(const ObscuranceOptions& options, Meets meets) {
     constexpr int kSteps = 2000;
     double sum = 0.0;
     for (const dvec2 at : midpoints(kSteps)) {
         const double h = double(options.radius) * at.x, angle = 2.0 * kPi * at.y;
-        const dvec3 v = meets(dvec2(h * std::cos(angle), h * std::sin(angle)));
-        const double square = dot(v, v), fade = 1.0 - square / (double(options.radius) * double(options.radius));
-        const double cosine = (v.z - double(options.beta)) / std::sqrt(square + double(options.epsilon));
-        sum += std::max(fade, 0.0) * std::max(cosine, 0.0);
+        const TwoOffsets v = meets(dvec2(h * std::cos(angle), h * std::sin(angle)));
+        sum += std::max(obscurance(v[0], options), obscurance(v[1], options));
     }
     return kPi * sum / (double(kSteps) * kSteps);
 }
@@ -221,7 +228,7 @@ void test_obscurance(void**) {
     ObscuranceOptions options;
     options.radius = 2.0f;
     options.beta = 0.04f;
-    options.epsilon = 0.004f;
+    options.epsilon = 0.4f;
     options.separation = 0.25f;
     for (const bool orthographic : {true, false}) {
         ReferenceView view;
@@ -243,21 +250,25 @@ void test_obscurance(void**) {
             const Estimate<double> sum = trace_obscurance(traced, view, points, options, 65536, 1)[pixel];
             return std::make_pair(double(points[pixel].position.x), sum);
         };
-        // where the ray through a point of the floor meets the plane at the height h
-        const auto at_height = [&](double x, double h) { return orthographic ? x : x * (10.0 - h) / 10.0; };
-        const auto plate = [&](double x0, double h) {
-            return quadrature(options, [&](dvec2 tap) {
-                const double x = at_height(x0 + tap.x, h), y = at_height(tap.y, h);
-                return x < 0.0 ? dvec3(x - x0, y, h) : dvec3(tap, 0.0);
-            });
+        // what the ray through a point of the floor meets, where a plate at the height h covers x < 0; else the floor
+        const auto met = [&](double x0, dvec2 tap, double h) {
+            const double nearer = orthographic ? 1.0 : (10.0 - h) / 10.0, x = (x0 + tap.x) * nearer;
+            return x < 0.0 ? dvec3(x - x0, tap.y * nearer, h) : dvec3(tap, 0.0);
         };
-        auto [x0, one] = measure(0.4f, 1);
-        check("obscurance of a step", one.mean, one.error, plate(x0, 1.0));
+        const auto plates = [&](double x0, double h0, double h1) {
+            return quadrature(options, [&](dvec2 tap) { return TwoOffsets{met(x0, tap, h0), met(x0, tap, h1)}; });
+        };
+        const auto [x0, one] = measure(0.4f, 1);
+        check("obscurance of a step", one.mean, one.error, plates(x0, 1.0, 0.0));
         // a plate too high to obscure hides the lower one from a single layer
         scene.nodes.push_back(facing_up(vec3(-50.0f, 0.0f, 3.0f), 50.0f));
         const Estimate<double> hidden = measure(0.4f, 1).second, second = measure(0.4f, 2).second;
         check("the same, hidden", hidden.mean, hidden.error, 0.0);
-        check("the same, in the second layer", second.mean, second.error, plate(x0, 1.0));
+        check("the same, in the second layer", second.mean, second.error, plates(x0, 1.0, 0.0));
+        // of two that do, the one that obscures more counts
+        scene.nodes.back() = facing_up(vec3(-50.0f, 0.0f, 0.5f), 50.0f);
+        const Estimate<double> both = measure(0.4f, 2).second;
+        check("two steps", both.mean, both.error, plates(x0, 1.0, 0.5));
     }
     assert_true(visibility_of_obscurance(0.25) == 0.5 && visibility_of_obscurance(2.0) == 0.0);
 }
@@ -298,6 +309,12 @@ void test_parallel_plates(void**) {
         const Estimate<dvec4> e = irradiance_at(plates, vec3(0.0f, 0.0f, 1e-3f), options, 4096);
         check("glowing ceiling", e.mean.x / kPi, e.error.x / kPi, expected[n - 1]);
     }
+    // rays of length 1.25 reach the other plate within the angle of cosine 0.8
+    IrradianceOptions options;
+    options.bounces = 3;
+    options.radius = 1.25f;
+    const Estimate<dvec4> e = irradiance_at(plates, vec3(0.0f, 0.0f, 1e-4f), options);
+    check("glowing ceiling, within the radius", e.mean.x / kPi, e.error.x / kPi, 0.36 + 0.4 * 0.36 * 0.36 * 0.36);
 }
 
 // A square right above the point is lit from below by the sun. Its radiance is albedo / pi * irradiance, and so the point gets
@@ -320,7 +337,8 @@ void test_one_bounce(void**) {
     assert_true(again.mean.x > 0.0 && std::abs(again.mean.x - e.mean.x) < 3.0 * (again.error.x + e.error.x));
     lit.scene.nodes = {facing_up(vec3(0.0f, 0.0f, 0.7f), 0.5f)};
     lit.lights.push_back(point_light(vec3(0.0f, 0.0f, 0.3f), 1.0f));
-    const Estimate<dvec4> back = irradiance_at(lit, vec3(0.0f), {}, 4096);
+    lit.scene.nodes.push_back(facing_up(vec3(0.0f, 0.0f, -1.0f), 5.0f)); // what it would reflect
+    const Estimate<dvec4> back = irradiance_at(lit, vec3(0.0f), many, 4096);
     assert_true(back.mean.x == 0.0 && back.mean.w > 0.2);
 }
 
@@ -365,6 +383,29 @@ void test_radius_and_sky(void**) {
 }
 
 // ---- Randomness -----------------------------------------------------------------------------------------
+
+// Pairs of numbers fill the unit square evenly, be they neighbours in a stream or the first of neighbouring streams.
+void test_random(void**) {
+    constexpr int kCells = 16, kPairs = 1 << 20;
+    for (int variant = 0; variant < 4; ++variant) {
+        std::vector<int> counts(kCells * kCells, 0);
+        Random stream(1, 2, 3);
+        for (uint64_t i = 0; i < kPairs; ++i) {
+            const auto first_of = [&](uint64_t key) {
+                return Random(variant == 1 ? key : 1, variant == 2 ? key : 1, variant == 3 ? key : 1).uniform();
+            };
+            const double x = variant == 0 ? stream.uniform() : first_of(2 * i);
+            const double y = variant == 0 ? stream.uniform() : first_of(2 * i + 1);
+            assert_true(x >= 0.0 && x < 1.0 && y >= 0.0 && y < 1.0);
+            ++counts[size_t(kCells * x) * kCells + size_t(kCells * y)];
+        }
+        double chi_square = 0.0;
+        const double expected = double(kPairs) / double(counts.size()), freedoms = double(counts.size()) - 1.0;
+        for (const int count : counts) { chi_square += (count - expected) * (count - expected) / expected; }
+        std::printf("# chi square %.1f of %.0f degrees of freedom\n", chi_square, freedoms);
+        assert_true(std::abs(chi_square - freedoms) < 3.0 * std::sqrt(2.0 * freedoms));
+    }
+}
 
 // Many estimates of one number scatter as they say, halves are independent, and nothing depends on the order of work.
 void test_errors(void**) {
@@ -412,7 +453,8 @@ int main() {
         cmocka_unit_test(test_parallel_squares), cmocka_unit_test(test_obscurance),
         cmocka_unit_test(test_furnace),          cmocka_unit_test(test_parallel_plates),
         cmocka_unit_test(test_one_bounce),       cmocka_unit_test(test_shadow),
-        cmocka_unit_test(test_radius_and_sky),   cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_radius_and_sky),   cmocka_unit_test(test_random),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
