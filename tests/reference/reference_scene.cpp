@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -61,6 +62,21 @@ vec4 sample(const Scene& scene, int index, vec2 uv, bool srgb, vec4 missing) {
     const int x = int(corner.x), y = int(corner.y);
     return glm::mix(glm::mix(at(x, y), at(x + 1, y), share.x), glm::mix(at(x, y + 1), at(x + 1, y + 1), share.x),
                     share.y);
+}
+
+RTCRay to_embree(const Ray& ray, Faces faces) {
+    RTCRay result{};
+    result.org_x = ray.origin.x;
+    result.org_y = ray.origin.y;
+    result.org_z = ray.origin.z;
+    result.dir_x = ray.direction.x;
+    result.dir_y = ray.direction.y;
+    result.dir_z = ray.direction.z;
+    result.tnear = ray.nearest;
+    result.tfar = ray.farthest;
+    result.mask = ~0u;
+    result.id = unsigned(faces);
+    return result;
 }
 
 // ---- Placing --------------------------------------------------------------------------------------------
@@ -167,8 +183,8 @@ struct ReferenceScene::Embree {
 
     void add(Part* part) const;
     void finish() const;
-    void intersect(RTCRayHit* hit) const;
-    bool occluded(RTCRay* ray) const;
+    RTCRayHit intersect(const Ray& ray, Faces faces) const;
+    bool occluded(const Ray& ray) const;
 
     // Both reject what is cut out, and the first one back faces where the ray's id says so.
     static void filter_hit(const RTCFilterFunctionNArguments* args);
@@ -218,45 +234,31 @@ void ReferenceScene::Embree::finish() const {
     if (error != RTC_ERROR_NONE) { throw std::runtime_error("Embree reports error " + std::to_string(int(error))); }
 }
 
-void ReferenceScene::Embree::intersect(RTCRayHit* hit) const {
+RTCRayHit ReferenceScene::Embree::intersect(const Ray& ray, Faces faces) const {
+    RTCRayHit hit{};
+    hit.ray = to_embree(ray, faces);
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(scene, hit);
+    rtcIntersect1(scene, &hit);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcIntersect1(scene, &context, hit);
+    rtcIntersect1(scene, &context, &hit);
 #endif
+    return hit;
 }
 
-bool ReferenceScene::Embree::occluded(RTCRay* ray) const {
+bool ReferenceScene::Embree::occluded(const Ray& ray) const {
+    RTCRay shadow = to_embree(ray, Faces::both);
 #if RTC_VERSION_MAJOR >= 4
-    rtcOccluded1(scene, ray);
+    rtcOccluded1(scene, &shadow);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(scene, &context, ray);
+    rtcOccluded1(scene, &context, &shadow);
 #endif
-    return ray->tfar < 0.0f;
+    return shadow.tfar < 0.0f;
 }
-
-namespace {
-
-RTCRay to_embree(const Ray& ray, Faces faces) {
-    RTCRay result{};
-    result.org_x = ray.origin.x;
-    result.org_y = ray.origin.y;
-    result.org_z = ray.origin.z;
-    result.dir_x = ray.direction.x;
-    result.dir_y = ray.direction.y;
-    result.dir_z = ray.direction.z;
-    result.tnear = ray.nearest;
-    result.tfar = ray.farthest;
-    result.mask = ~0u;
-    result.id = unsigned(faces);
-    return result;
-}
-
-} // namespace
 
 // ---- Scene ----------------------------------------------------------------------------------------------
 
@@ -299,10 +301,7 @@ void ReferenceScene::add_part(const Scene& scene, const Pose& pose, int node, in
 }
 
 Surface ReferenceScene::closest(const Ray& ray, Faces faces) const {
-    RTCRayHit hit{};
-    hit.ray = to_embree(ray, faces);
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    embree_->intersect(&hit);
+    const RTCRayHit hit = embree_->intersect(ray, faces);
     Surface surface;
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) { return surface; }
     surface.part = hit.hit.geomID;
@@ -312,10 +311,12 @@ Surface ReferenceScene::closest(const Ray& ray, Faces faces) const {
     return surface;
 }
 
-bool ReferenceScene::occluded(const Ray& ray) const {
-    RTCRay shadow = to_embree(ray, Faces::both);
-    return embree_->occluded(&shadow);
+float ReferenceScene::distance(const Ray& ray, Faces faces) const {
+    const RTCRayHit hit = embree_->intersect(ray, faces);
+    return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID ? hit.ray.tfar : std::numeric_limits<float>::infinity();
 }
+
+bool ReferenceScene::occluded(const Ray& ray) const { return embree_->occluded(ray); }
 
 Ray leaving(const Surface& surface, vec3 direction) {
     const vec3 size = glm::abs(surface.position);

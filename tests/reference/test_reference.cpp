@@ -2,6 +2,7 @@
 #include "headless.h"
 #include "reference.hpp"
 #include "scene_renderer.hpp"
+#include "test_scenes.hpp"
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -39,32 +40,6 @@ int close_context(void**) {
 }
 
 // ---- Scenes ---------------------------------------------------------------------------------------------
-
-// A square of two triangles around the origin, 2 m wide, that faces +Z.
-Mesh square(int material) {
-    Mesh mesh;
-    for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)}) {
-        Vertex vertex;
-        vertex.position = vec3(corner, 0.0f);
-        vertex.normal = vec3(0.0f, 0.0f, 1.0f);
-        vertex.uv = 0.5f + 0.5f * corner;
-        mesh.vertices.push_back(vertex);
-    }
-    mesh.indices = {0, 1, 2, 0, 2, 3};
-    mesh.material = material;
-    return mesh;
-}
-
-Node node_at(const glm::mat4& world, int mesh) {
-    Node node;
-    node.local = node.world = world;
-    node.meshes = {mesh};
-    return node;
-}
-
-glm::mat4 at(vec3 place, vec3 size = vec3(1.0f), float degrees = 0.0f, vec3 axis = vec3(0.0f, 1.0f, 0.0f)) {
-    return glm::scale(glm::rotate(glm::translate(glm::mat4(1.0f), place), glm::radians(degrees), axis), size);
-}
 
 // 8 x 8 texels without filter: no level of detail that could differ.
 int add_checkers(Scene* scene, bool alpha) {
@@ -110,7 +85,13 @@ Scene make_zoo() {
     scene.materials[kWall].base_color = vec4(0.6f, 0.5f, 0.4f, 1.0f);
     scene.materials[kWall].base_color_texture = add_checkers(&scene, false);
     scene.materials[kMask].alpha_mode = AlphaMode::mask;
-    scene.materials[kMask].base_color_texture = add_checkers(&scene, true);
+    const int checkers = scene.materials[kMask].base_color_texture = add_checkers(&scene, true);
+    scene.materials[kMask].normal_texture = scene.materials[kGlow].normal_texture = checkers;
+    scene.materials[kMask].normal_scale = 0.5f;
+    scene.materials[kMask].emissive = vec3(0.3f);
+    scene.materials[kMask].emissive_texture = checkers;
+    scene.materials[kMask].metallic = 0.5f;
+    scene.materials[kMask].metallic_roughness_texture = checkers;
     scene.materials[kCloth].base_color = vec4(0.7f, 0.1f, 0.2f, 1.0f);
     scene.materials[kCloth].double_sided = true;
     scene.materials[kGlow].base_color = vec4(0.2f, 0.2f, 0.9f, 1.0f);
@@ -120,6 +101,8 @@ Scene make_zoo() {
     scene.materials[kMetal].metallic = 0.75f;
     scene.materials[kGlass].alpha_mode = AlphaMode::blend;
     for (int material = 0; material < kStuffCount; ++material) { scene.meshes.push_back(square(material)); }
+
+    for (Vertex& vertex : scene.meshes[kFlatColor].vertices) { vertex.normal = vec3(0.6f, 0.0f, 0.8f); }
 
     scene.nodes.push_back(node_at(at(vec3(0.0f, 0.0f, -6.0f), vec3(7.0f)), kWall));
     for (Vertex& vertex : scene.meshes[kMask].vertices) { vertex.uv = 2.5f * vertex.uv - 0.3f; }
@@ -518,7 +501,11 @@ void test_zoo(void**) {
         const std::vector<bool> lit = lit_pixels(scene, traced[0]);
         const auto light_differs = [&](size_t i, size_t j) { return lit[i] != lit[j]; };
         const auto texel_differs = [&](size_t i, size_t j) {
-            return traced[0][i].albedo != traced[0][j].albedo || traced[1][i].albedo != traced[1][j].albedo;
+            const auto differs = [=](const std::vector<Surface>& layer) {
+                return glm::distance(layer[i].albedo, layer[j].albedo) > 0.05f ||
+                       glm::distance(layer[i].normal, layer[j].normal) > 0.05f;
+            };
+            return differs(traced[0]) || differs(traced[1]);
         };
         Count z, albedo, normal, radiance;
         for (size_t i = 0; i < view.pixels(); ++i) {
@@ -608,8 +595,8 @@ void test_mirror_of_hall(void**) {
     view.guard = 3;
     const PixelRays rays(view);
     const std::vector<Surface> first = trace_layers(scene, view, 1, 0.0f)[0];
-    const std::vector<MirrorHit> hits = trace_mirror(scene, view, mirror_points(first));
-    const std::vector<MirrorHit> from_behind = trace_mirror(scene, view, mirror_points(first), Faces::both);
+    const std::vector<MirrorHit> hits = trace_mirror(scene, view, surface_points(first));
+    const std::vector<MirrorHit> from_behind = trace_mirror(scene, view, surface_points(first), Faces::both);
     int on_wall = 0, in_sky = 0;
     for (size_t i = 0; i < view.pixels(); ++i) {
         if (!first[i].found() || first[i].part != 0) { continue; }
@@ -649,8 +636,8 @@ void test_mirror_without_rays(void**) {
     view.width = 2;
     view.height = 1;
     view.projection = glm::perspectiveRH_NO(1.0f, 2.0f, 0.1f, 100.0f);
-    const std::vector<MirrorPoint> points = {{vec3(0.0f), vec3(0.0f), 0.0f},
-                                             {vec3(0.0f, 1.0f, -2.0f), vec3(0.0f, 0.0f, -1.0f), 0.0f}};
+    const std::vector<SurfacePoint> points = {{vec3(0.0f), vec3(0.0f), 0.0f},
+                                              {vec3(0.0f, 1.0f, -2.0f), vec3(0.0f, 0.0f, -1.0f), 0.0f}};
     for (const MirrorHit& hit : trace_mirror(scene, view, points)) { assert_true(hit.state == MirrorState::none); }
 }
 
@@ -665,8 +652,9 @@ void test_mirror_of_buffers(void**) {
     const ReferenceScene scene(atrium, current_pose(atrium), {sun_light(vec3(0.25f, 0.9f, 0.3f), 6.0f)});
     const std::vector<Surface> traced = trace_layers(scene, view, 1, 0.0f)[0];
     const DrawnLayer drawn = draw(shot)[0];
-    const std::vector<MirrorPoint> stored = mirror_points(view, drawn.z, drawn.normal), exact = mirror_points(traced);
-    std::vector<MirrorPoint> mixed = exact;
+    const std::vector<SurfacePoint> stored = surface_points(view, drawn.z, drawn.normal),
+                                    exact = surface_points(traced);
+    std::vector<SurfacePoint> mixed = exact;
     for (size_t i = 0; i < mixed.size(); ++i) { mixed[i].normal = stored[i].normal; }
     const auto of_stored = trace_mirror(scene, view, stored), of_exact = trace_mirror(scene, view, exact),
                of_mixed = trace_mirror(scene, view, mixed);
