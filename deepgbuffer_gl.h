@@ -1541,7 +1541,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
 static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#line 600001\n"
     "// Reconstruction: separable bilateral filter with normal and plane weights over ambient visibility, irradiance and\n"
-    "// confidence together, for the second layer along its own surfaces; run along x, then along y.\n"
+    "// confidence together, for the second layer along its own surfaces; run along x, then along y. What the first run finds it\n"
+    "// leaves in one texel beside the surface that it is for, so that the second run fetches once a tap.\n"
     "\n"
     "layout(std140) uniform dgb_reconstruct_block {\n"
     "    dgb_camera dgb_reconstruct_camera;\n"
@@ -1551,6 +1552,29 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "    vec4       dgb_reconstruct_weights[DGB_MAX_FILTER_RADIUS + 1];\n"
     "};\n"
     "\n"
+    "struct dgb_lit { // a surface and what is known of its light\n"
+    "    float z;\n"
+    "    vec2  normal; // Oct16\n"
+    "    float ao;\n"
+    "    vec4  irradiance; // a: confidence\n"
+    "};\n"
+    "\n"
+    "// Two numbers from 0 to 64512 in 32 bits, each as exact as a half float: no sign, 6 bits of exponent, 10 of mantissa. Less than\n"
+    "// 2^-46 becomes 0, NaN too. Neither function meets a subnormal number, which implementations may flush.\n"
+    "uint dgb_pack(vec2 v) {\n"
+    "    uvec2 codes = (floatBitsToUint(v * 8.271806125530277e-25) + 0x1000u) >> 13; // 2^-80\n"
+    "    codes       = min(codes, 0xffffu);\n"
+    "    if (!(v.x >= 1.4210854715202004e-14)) codes.x = 0u; // 2^-46\n"
+    "    if (!(v.y >= 1.4210854715202004e-14)) codes.y = 0u;\n"
+    "    return codes.x | codes.y << 16;\n"
+    "}\n"
+    "\n"
+    "vec2 dgb_unpack(uint codes) {\n"
+    "    return uintBitsToFloat(uvec2(codes << 13, codes >> 3) & 0x1fffe000u) * 1.2089258196146292e24; // 2^80\n"
+    "}\n"
+    "\n"
+    "// In: what the passes before have left, then what the first run has.\n"
+    "#if DGB_AXIS == 0\n"
     "uniform sampler2D dgb_z;\n"
     "uniform sampler2D dgb_normals;\n"
     "#if DGB_FILTER_AO\n"
@@ -1563,6 +1587,49 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "uniform sampler2D dgb_irradiance1_raw;\n"
     "#endif\n"
     "\n"
+    "dgb_lit dgb_lit_at(int layer, ivec2 p) {\n"
+    "    vec2    z       = texelFetch(dgb_z, p, 0).xy;\n"
+    "    vec4    normals = texelFetch(dgb_normals, p, 0);\n"
+    "    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0));\n"
+    "#if DGB_FILTER_AO\n"
+    "    s.ao = texelFetch(dgb_ao_raw, p, 0).x;\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "    s.irradiance = texelFetch(dgb_irradiance_raw, p, 0);\n"
+    "#endif\n"
+    "#if DGB_DEEP\n"
+    "    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0));\n"
+    "#endif\n"
+    "    return s;\n"
+    "}\n"
+    "#else\n"
+    "uniform usampler2D dgb_half;\n"
+    "#if DGB_DEEP\n"
+    "uniform usampler2D dgb_half1;\n"
+    "#endif\n"
+    "\n"
+    "dgb_lit dgb_lit_at(int layer, ivec2 p) {\n"
+    "    uvec4 t = texelFetch(dgb_half, p, 0);\n"
+    "#if DGB_DEEP\n"
+    "    if (layer == 1) t = texelFetch(dgb_half1, p, 0);\n"
+    "#endif\n"
+    "    vec2 normal = vec2(t.y & 255u, (t.y >> 8) & 255u) * (1.0 / 255.0);\n"
+    "    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)));\n"
+    "}\n"
+    "#endif\n"
+    "\n"
+    "// Out: z | Oct16 and, above it, ambient visibility | irradiance and confidence; then the results.\n"
+    "#if DGB_AXIS == 0\n"
+    "layout(location = 0) out uvec4 dgb_out_half;\n"
+    "#if DGB_DEEP\n"
+    "layout(location = 1) out uvec4 dgb_out_half1;\n"
+    "#endif\n"
+    "\n"
+    "uvec4 dgb_texel(dgb_lit s) {\n"
+    "    uvec3 bytes = uvec3(vec3(s.normal * 255.0, s.ao * 65535.0) + 0.5);\n"
+    "    return uvec4(floatBitsToUint(s.z), bytes.x | bytes.y << 8 | bytes.z << 16, dgb_pack(s.irradiance.xy), dgb_pack(s.irradiance.zw));\n"
+    "}\n"
+    "#else\n"
     "#if DGB_FILTER_AO\n"
     "layout(location = 0) out vec4 dgb_out_ao;\n"
     "#endif\n"
@@ -1574,71 +1641,59 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#elif DGB_DEEP\n"
     "layout(location = 1) out vec4 dgb_out_irradiance1;\n"
     "#endif\n"
+    "#endif\n"
     "\n"
-    "// Weight of the surface at y, with normal n2, for the one at x; i steps away.\n"
-    "float dgb_weight(vec3 x, vec3 n, vec3 y, vec2 n2, int i) {\n"
-    "    float weight = dgb_bilateral_weight(n, dgb_oct16_decode(n2), y - x, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);\n"
-    "    return y.z > DGB_EMPTY_Z ? weight * dgb_reconstruct_weights[abs(i)].x : 0.0;\n"
-    "}\n"
-    "\n"
-    "void main() {\n"
-    "    ivec2 axis    = dgb_reconstruct_axis.xy;\n"
-    "    ivec2 pixel   = ivec2(gl_FragCoord.xy);\n"
-    "    vec2  z       = texelFetch(dgb_z, pixel, 0).xy;\n"
-    "    vec4  normals = texelFetch(dgb_normals, pixel, 0);\n"
-    "    vec3  x       = dgb_position(gl_FragCoord.xy, z.x, dgb_reconstruct_camera);\n"
-    "    vec3  n       = dgb_oct16_decode(normals.xy);\n"
-    "\n"
-    "    // the taps that lie in the shaded rectangle\n"
+    "dgb_lit dgb_filtered(int layer, ivec2 pixel) {\n"
+    "    ivec2   axis = dgb_reconstruct_axis.xy;\n"
+    "    dgb_lit s    = dgb_lit_at(layer, pixel);\n"
+    "    vec3    x    = dgb_position(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);\n"
+    "    vec3    n    = dgb_oct16_decode(s.normal);\n"
+    "\n",
+    "    // the taps that lie in the shaded rectangle; none where there is no surface\n"
     "    ivec2 room_before = (pixel - dgb_reconstruct_rect.xy) / max(axis, 1);\n"
     "    ivec2 room_after  = (dgb_reconstruct_rect.zw - pixel) / max(axis, 1);\n"
-    "    int   side        = z.x > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;\n"
+    "    int   side        = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;\n"
     "    int   first       = -min(side, axis.x > 0 ? room_before.x : room_before.y);\n"
     "    int   last        = min(side, axis.x > 0 ? room_after.x : room_after.y);\n"
     "\n"
-    "    float total = dgb_reconstruct_weights[0].x;\n"
-    "#if DGB_FILTER_AO\n"
-    "    float ao = total * texelFetch(dgb_ao_raw, pixel, 0).x;\n"
-    "#endif\n"
-    "#if DGB_FILTER_IRRADIANCE\n"
-    "    vec4 irradiance = total * dgb_weigh(texelFetch(dgb_irradiance_raw, pixel, 0));\n"
-    "#endif\n"
+    "    float total      = dgb_reconstruct_weights[0].x;\n"
+    "    float ao         = total * s.ao;\n"
+    "    vec4  irradiance = total * dgb_weigh(s.irradiance);\n"
     "    for (int i = first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) { // every tap but the centre\n"
-    "        ivec2 p      = pixel + i * axis;\n"
-    "        vec3  y      = dgb_position(vec2(p) + 0.5, texelFetch(dgb_z, p, 0).x, dgb_reconstruct_camera);\n"
-    "        float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).xy, i);\n"
+    "        ivec2   p      = pixel + i * axis;\n"
+    "        dgb_lit t      = dgb_lit_at(layer, p);\n"
+    "        vec3    dq     = dgb_position(dgb_centre(layer, p), t.z, dgb_reconstruct_camera) - x;\n"
+    "        float   weight = dgb_bilateral_weight(n, dgb_oct16_decode(t.normal), dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);\n"
+    "        // a factor for empty texels: a select between a read and none becomes a branch\n"
+    "        weight *= dgb_reconstruct_weights[abs(i)].x * (t.z > DGB_EMPTY_Z ? 1.0 : 0.0);\n"
     "        total += weight;\n"
-    "#if DGB_FILTER_AO\n"
-    "        ao += weight * texelFetch(dgb_ao_raw, p, 0).x;\n"
-    "#endif\n"
-    "#if DGB_FILTER_IRRADIANCE\n"
-    "        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance_raw, p, 0));\n"
-    "#endif\n"
+    "        ao += weight * t.ao;\n"
+    "        irradiance += vec4(t.irradiance.rgb * (weight * t.irradiance.a), weight * t.irradiance.a); // dgb_weigh\n"
     "    }\n"
-    "#if DGB_FILTER_AO\n"
-    "    dgb_out_ao = vec4(ao / total);\n"
-    "#endif\n"
-    "#if DGB_FILTER_IRRADIANCE\n"
-    "    irradiance         = dgb_unweigh(irradiance / total);\n"
-    "    dgb_out_irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);\n"
-    "#endif\n"
+    "    irradiance   = dgb_unweigh(irradiance / total);\n"
+    "    s.ao         = ao / total;\n"
+    "    s.irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);\n"
+    "    return s;\n"
+    "}\n"
     "\n"
+    "void main() {\n"
+    "    ivec2   pixel = ivec2(gl_FragCoord.xy);\n"
+    "    dgb_lit s     = dgb_filtered(0, pixel);\n"
+    "#if DGB_AXIS == 0\n"
+    "    dgb_out_half = dgb_texel(s);\n"
     "#if DGB_DEEP\n"
-    "    // the second layer, where there is one: in a loop of its own, so that it costs nothing elsewhere\n"
-    "    bool empty = !(z.y > DGB_EMPTY_Z);\n"
-    "    x          = dgb_position(dgb_centre(1, pixel), z.y, dgb_reconstruct_camera);\n"
-    "    n          = dgb_oct16_decode(normals.zw);\n"
-    "    total      = dgb_reconstruct_weights[0].x;\n"
-    "    irradiance = total * dgb_weigh(texelFetch(dgb_irradiance1_raw, pixel, 0));\n"
-    "    for (int i = empty ? last + 1 : first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) {\n"
-    "        ivec2 p      = pixel + i * axis;\n"
-    "        vec3  y      = dgb_position(dgb_centre(1, p), texelFetch(dgb_z, p, 0).y, dgb_reconstruct_camera);\n",
-    "        float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).zw, i);\n"
-    "        total += weight;\n"
-    "        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance1_raw, p, 0));\n"
-    "    }\n"
-    "    irradiance          = dgb_unweigh(irradiance / total);\n"
-    "    dgb_out_irradiance1 = vec4(dgb_storable(irradiance.rgb), irradiance.a);\n"
+    "    dgb_out_half1 = dgb_texel(dgb_filtered(1, pixel));\n"
+    "#endif\n"
+    "#else\n"
+    "#if DGB_FILTER_AO\n"
+    "    dgb_out_ao = vec4(s.ao);\n"
+    "#endif\n"
+    "#if DGB_FILTER_IRRADIANCE\n"
+    "    dgb_out_irradiance = s.irradiance;\n"
+    "#endif\n"
+    "#if DGB_DEEP\n"
+    "    dgb_out_irradiance1 = dgb_filtered(1, pixel).irradiance;\n"
+    "#endif\n"
     "#endif\n"
     "}\n",
     0
@@ -1919,7 +1974,11 @@ enum {
     DGBGLI_RG8 = 0x822B,
     DGBGLI_R32F = 0x822E,
     DGBGLI_R32UI = 0x8236,
+    DGBGLI_RG32UI = 0x823C,
+    DGBGLI_RGBA32UI = 0x8D70,
     DGBGLI_RED_INTEGER = 0x8D94,
+    DGBGLI_RG_INTEGER = 0x8228,
+    DGBGLI_RGBA_INTEGER = 0x8D99,
     DGBGLI_READ_WRITE = 0x88BA,
     DGBGLI_ALL_BARRIER_BITS = -1,
     DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
@@ -1995,6 +2054,8 @@ static const struct {
                                       {DGBGLI_RG32F, DGBGLI_RG, DGBGLI_FLOAT},
                                       {DGBGLI_RGBA32F, DGBGLI_RGBA, DGBGLI_FLOAT},
                                       {DGBGLI_R32UI, DGBGLI_RED_INTEGER, DGBGLI_UNSIGNED_INT},
+                                      {DGBGLI_RG32UI, DGBGLI_RG_INTEGER, DGBGLI_UNSIGNED_INT},
+                                      {DGBGLI_RGBA32UI, DGBGLI_RGBA_INTEGER, DGBGLI_UNSIGNED_INT},
                                       {DGBGLI_DEPTH_COMPONENT16, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
                                       {DGBGLI_DEPTH_COMPONENT24, DGBGLI_DEPTH_COMPONENT, DGBGLI_UNSIGNED_INT},
                                       {DGBGLI_DEPTH_COMPONENT32F, DGBGLI_DEPTH_COMPONENT, DGBGLI_FLOAT}};
@@ -2056,8 +2117,9 @@ static void dgbgli_put_version(dgbgli_text* t, int version, bool es) {
 
 static void dgbgli_put_precision(dgbgli_text* t, bool es) {
     if (es)
-        dgbgli_put(t, "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
-                      "precision highp sampler2DArray;\nprecision highp usampler2DArray;\n");
+        dgbgli_put(t,
+                   "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
+                   "precision highp sampler2DArray;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n");
 }
 
 static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char* detail) {
@@ -2531,10 +2593,12 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_KEY:
     case DGB_DEPTH:
     case DGB_TILE_DEPTHS:
+    case DGB_HALF:
     case DGB_ENGINE_DEPTH0: return 0;
     case DGB_NORMALS:
     case DGB_NORMAL:
     case DGB_REGION_DEPTHS:
+    case DGB_HALF1:
     case DGB_ENGINE_NORMAL0: return 1;
     case DGB_B0:
     case DGB_RADIANCE:
