@@ -158,6 +158,8 @@ static void compare(const bench* b, int layer, int axis) {
                            e.value[i] + e.error[i]);
         }
     tally_report(&t);
+    /* what the library rounds itself is off by 1/4 of an ulp on average; truncated it were by 1/2 */
+    if (axis == 0 && t.pixels > 1000) assert_true(t.sum <= 0.3 * t.pixels);
 }
 
 /* Two walls and a slope behind them, with holes, and light from an integer hash. */
