@@ -402,6 +402,8 @@ typedef enum dgb_format {
     DGB_FORMAT_RG32F,
     DGB_FORMAT_RGBA32F,
     DGB_FORMAT_R32UI,
+    DGB_FORMAT_RG32UI,
+    DGB_FORMAT_RGBA32UI,
     DGB_FORMAT_D16,
     DGB_FORMAT_D24,
     DGB_FORMAT_D32F,
@@ -452,9 +454,9 @@ typedef enum dgb_format {
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
-    X(DGB_AO_HALF, "ao_half")                                                                                            \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
-    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
+    /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
+    X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF1, "half1")                                                                                                \
     X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
     X(DGB_IRRADIANCE1,                                                                                                   \
@@ -1556,9 +1558,10 @@ DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
 static const struct {
     const char* name;
     int bytes;
-} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},      {"RG8", 2},  {"RGBA8", 4}, {"R11G11B10F", 4},
-                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"RGBA32F", 16},
-                                    {"R32UI", 4}, {"D16", 2},     {"D24", 4},  {"D32F", 4}};
+} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},       {"R8", 1},       {"RG8", 2},     {"RGBA8", 4},
+                                    {"R11G11B10F", 4}, {"RG16F", 4},    {"RGBA16F", 8}, {"R32F", 4},
+                                    {"RG32F", 8},      {"RGBA32F", 16}, {"R32UI", 4},   {"RG32UI", 8},
+                                    {"RGBA32UI", 16},  {"D16", 2},      {"D24", 4},     {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
@@ -1974,38 +1977,47 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
 }
 
-typedef struct dgbi_filtered { /* one result: what the shader calls it, and where it lies */
-    dgb_slot name, before, half, after;
+/* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
+typedef struct dgbi_filtered {
+    bool wanted;
+    dgb_slot name, before, after;
     dgb_format format;
 } dgbi_filtered;
 
-/* Along x it reads what the passes before have left, along y what it has written itself. */
-static void dgbi_plan_axis(const dgbi_filtered* f, int axis, dgb_plan* plan, dgb_plan_pass* pass) {
-    dgbi_add_texture(plan, axis ? f->after : f->half, f->format, 0, 1);
-    dgbi_add_input_as(pass, f->name, axis ? f->half : f->before);
-    dgbi_add_output(pass, axis ? f->after : f->half);
-}
-
-static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const dgbi_filtered ao = {DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO_HALF, DGB_AO, DGB_FORMAT_R8};
-    const dgbi_filtered light = {DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW,
-                                 DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_FORMAT_RGBA16F};
-    const dgbi_filtered deep = {DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW,
-                                DGB_IRRADIANCE1_HALF, DGB_IRRADIANCE1, DGB_FORMAT_RGBA16F};
+/* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
+static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
+    const dgbi_filtered results[3] = {
+        {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
+        {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
+         DGB_FORMAT_RGBA16F},
+        {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
+         DGB_FORMAT_RGBA16F}};
+    const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
-    int axis;
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
+    int i;
+    dgbi_add_define(plan, "DGB_AXIS", axis);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
-    for (axis = 0; axis < 2; ++axis) {
-        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
-        dgbi_add_input(pass, DGB_Z);
-        dgbi_add_input(pass, DGB_NORMALS);
-        if (w->ao) dgbi_plan_axis(&ao, axis, plan, pass);
-        if (w->light) dgbi_plan_axis(&light, axis, plan, pass);
-        if (w->deep) dgbi_plan_axis(&deep, axis, plan, pass);
+    if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
+    for (i = 0; i < (w->deep ? 2 : 1); ++i) {
+        if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
+        if (axis == 0) dgbi_add_output(pass, halves[i]);
+        if (axis == 1) dgbi_add_input(pass, halves[i]);
     }
+    for (i = 0; i < 3; ++i) {
+        if (!results[i].wanted) continue;
+        if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
+        if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
+        if (axis == 1) dgbi_add_output(pass, results[i].after);
+    }
+}
+
+static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    int axis;
+    for (axis = 0; axis < 2; ++axis) dgbi_plan_axis(d, w, axis, plan);
 }
 
 /* The finest level from z, each of the others from the one before. */

@@ -313,7 +313,7 @@ static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
     check_texture(plan, DGB_IRRADIANCE1_MEAN, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_LAST_IRRADIANCE1, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_IRRADIANCE1_RAW, deep, DGB_FORMAT_RGBA16F);
-    check_texture(plan, DGB_IRRADIANCE1_HALF, deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_HALF1, deep, DGB_FORMAT_RGBA32UI);
     check_texture(plan, DGB_IRRADIANCE1, deep, DGB_FORMAT_RGBA16F);
     check_stage(plan, DGB_PASS_TEMPORAL, temporal && spiral);
 }
@@ -340,14 +340,15 @@ static void check_glossy(const dgb_desc* desc, const dgb_plan* plan) {
 }
 
 static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
-    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
-    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
+    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO};
+    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE};
     static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS};
     const bool ao = desc->effects & DGB_EFFECT_AO, light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0;
     const bool reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0, spiral = ao || light;
     size_t i;
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    check_texture(plan, DGB_HALF, spiral, light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI); /* no light: half as wide */
     for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, desc->effects != 0);
     assert_int_equal(find_texture(plan, DGB_ROTATIONS) != NULL, spiral);
     assert_int_equal(find_texture(plan, DGB_B0) != NULL, light || reflect);
@@ -553,10 +554,10 @@ static void test_bytes_of_the_largest(void** state) {
     for (level = 0; level < 6; ++level) chain += pixels >> (2 * level);
     assert_true(bytes_of(&plan, DGB_ALBEDO) == pixels * 32);
     assert_true(bytes_of(&plan, DGB_ORACLE) == pixels * 32);
-    /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
+    /* six layered targets; z, normals and two radiances with levels; two R8, two RGBA16F, one RGBA32UI; 256
        rotations; two depth ranges and a class of each tile, a range of each region */
     assert_true(plan.bytes ==
-                6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048 + 20 * tiles + 16 * regions);
+                6 * 32 * pixels + 20 * chain + 2 * pixels + (16 + 16) * pixels + 2048 + 20 * tiles + 16 * regions);
 }
 
 /* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */
@@ -588,7 +589,7 @@ static void test_bytes_of_history(void** state) {
     static const struct {
         uint32_t effects;
         uint64_t images; /* of 8 bytes a pixel, besides last frame's z */
-    } rows[] = {{3 | 4, 3}, {3 | 8, 4}, {3 | 4 | 8, 3 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 3}};
+    } rows[] = {{3 | 4, 4}, {3 | 8, 4}, {3 | 4 | 8, 4 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 4}};
     size_t i;
     (void)state;
     for (i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -742,7 +743,7 @@ static void test_divisor(void** state) {
         dgb_pass_id pass;
         int places;
     } users[] = {
-        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 1}};
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 2}};
     int divisor, i, k;
     size_t user;
     (void)state;
@@ -1148,6 +1149,8 @@ static void test_names(void** state) {
     assert_string_equal(dgb_pass_name(DGB_PASS_PREDICT), "predict");
     assert_string_equal(dgb_pass_name(DGB_PASS_RECONSTRUCT), "reconstruct");
     assert_string_equal(dgb_format_name(DGB_FORMAT_R32UI), "R32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RG32UI), "RG32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RGBA32UI), "RGBA32UI");
     assert_string_equal(dgb_slot_name(DGB_PREDICTED), "predicted");
     assert_string_equal(dgb_slot_name(DGB_KEY), "key");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_INSTANCED_GEOMETRY), "instanced-geometry");
