@@ -75,6 +75,11 @@ static const member reflect_members[] = {
     CAMERA("dgb_reflect_camera", dgb_reflect_uniforms, camera), VALUE("dgb_reflect_size", dgb_reflect_uniforms, size),
     VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray), VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade)};
 
+static const member warp_members[] = {
+    CAMERA("dgb_warp_camera", dgb_warp_uniforms, camera), CAMERA("dgb_warp_last", dgb_warp_uniforms, last),
+    ARRAY("dgb_warp_to_last", dgb_warp_uniforms, to_last), VALUE("dgb_warp_layer", dgb_warp_uniforms, layer),
+    VALUE("dgb_warp_depth", dgb_warp_uniforms, depth)};
+
 typedef struct block {
     const char* name;
     size_t size;
@@ -91,11 +96,12 @@ typedef struct block {
 static const block draw_block = BLOCK(draw);
 
 static const block* block_of(const dgb_program_desc* program) {
-    static const block blocks[] = {BLOCK(pack),    BLOCK(ao),       BLOCK(gather), BLOCK(reconstruct),
-                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles),  BLOCK(reflect)};
+    static const block blocks[] = {BLOCK(pack),     BLOCK(ao),    BLOCK(gather),  BLOCK(reconstruct), BLOCK(resolve),
+                                   BLOCK(temporal), BLOCK(tiles), BLOCK(reflect), BLOCK(warp)};
     /* the first steps of TILES have none */
     if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
     switch (program->pass) {
+    case DGB_PASS_WARP: return &blocks[8];
     case DGB_PASS_RESOLVE: return &blocks[4];
     case DGB_PASS_PACK: return &blocks[0];
     case DGB_PASS_TILES: return &blocks[6];
