@@ -63,10 +63,13 @@ dgb_find dgb_look(dgb_ray ray, float z_last) {
     return find;
 }
 
+// Nearest depth among the pixel and eight around it, as far off as things come nearer in a frame. Reversed depth is compared
+// with its sign changed.
 float dgb_nearest_around(ivec2 texel) {
-    float z = DGB_EMPTY_Z;
-    for (int i = 0; i < 9; ++i) z = max(z, dgb_last_z(dgb_last_depth(texel + 16 * (ivec2(i % 3, i / 3) - 1))));
-    return z;
+    float empty = dgb_warp_last.footprint.w, order = empty > 0.0 ? 1.0 : -1.0, nearest = order * empty;
+    for (int y = -16; y <= 16; y += 16)
+        for (int x = -16; x <= 16; x += 16) nearest = min(nearest, order * dgb_last_depth(texel + ivec2(x, y)));
+    return dgb_last_z(order * nearest);
 }
 
 // The inverse of dgb_linear_z.
