@@ -59,6 +59,7 @@
        Two rules for zero, never mixed: in dgb_desc 0 means "default"; in dgb_params 0 means 0, and dgb_preset fills them.
 
    DATA FLOW (the order of the code below, of shaders_embedded/ and of the tests)
+       depth -> [warp]        WARP: last frame's depth from this frame's camera
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
              -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
              -> [predict]     PREDICT and DELAY: depth of the next pose
@@ -87,6 +88,10 @@
                              the guess; 2 (k-1) more depth layers.
                   DELAY      the same with the true pose, by showing everything one frame late. Exact for layer 1; deeper
                              layers err under motion as PREVIOUS does.
+                  WARP       last frame's layer j-1 as this frame's camera would have seen it: a full-screen pass a layer,
+                             after which each pixel looks at itself. Wrong by up to half a texel along silhouettes, and
+                             where objects move by themselves, which it takes to stand still. The closest to PEEL of
+                             those that draw each pose once, and in memory the least; needs no previous positions.
        emission   how one submission reaches all layers:
                   SEPARATE            one draw callback a layer
                   VERTEX              instances times layers; the vertex shader picks the layer
@@ -157,7 +162,7 @@
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
        What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once), viewport,
-       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; RESOLVE writes depth from a
+       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; WARP and RESOLVE write depth from a
        full-screen triangle; the others have no depth. caps.emission says what the backend can do; SEPARATE is enough.
        tests/support/record_backend.c is a backend without a device.
 
@@ -246,8 +251,8 @@ extern "C" {
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 16
-#define DGB_MAX_PASSES 26
+#define DGB_MAX_PROGRAMS 18
+#define DGB_MAX_PASSES 28
 #define DGB_MAX_TEXTURES 40
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
@@ -341,6 +346,7 @@ typedef enum dgb_oracle {
     DGB_ORACLE_REPROJECT,   /* paper, section 2.2 */
     DGB_ORACLE_PREDICT,     /* paper, section 2.2; a depth-only pass a frame more */
     DGB_ORACLE_DELAY,       /* paper, section 2.2; likewise, and one frame of latency */
+    DGB_ORACLE_WARP,        /* a full-screen pass a layer more */
     DGB_ORACLE_COUNT
 } dgb_oracle;
 
@@ -481,7 +487,8 @@ typedef enum dgb_slot {
 } dgb_slot;
 
 typedef enum dgb_pass_id {
-    DGB_PASS_LAYERS = 0,
+    DGB_PASS_WARP = 0, /* oracle WARP: last frame's depth from this frame's camera */
+    DGB_PASS_LAYERS,
     DGB_PASS_RESOLVE, /* IMAGE emission: depth bits into the depth layers */
     DGB_PASS_PREDICT, /* PREDICT, DELAY: depth layers of the next pose */
     DGB_PASS_PACK,
@@ -757,6 +764,13 @@ typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders 
     int32_t layer[4]; /* first layer, layer count, oracle, instance multiplier */
     int32_t flags[4]; /* divisor of this pass's deeper layers, 1 for reversed depth */
 } dgb_draw_uniforms;
+
+typedef struct dgb_warp_uniforms {
+    dgb_camera camera, last;
+    float to_last[3][4]; /* rows: from this frame's camera space to last frame's */
+    int32_t layer[4];    /* layer, pixels a texel along one side, last column and row of texels */
+    float depth[4];      /* depth codes (65535, 16777215; 0 float) */
+} dgb_warp_uniforms;
 
 typedef struct dgb_resolve_uniforms {
     int32_t layer[4]; /* x: image of the key */
@@ -1549,8 +1563,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve",  "predict",     "pack",  "mip",     "tiles", "ao",
-                                        "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
+    static const char* const names[] = {"warp", "layers", "resolve",  "predict",     "pack",  "mip",     "tiles",
+                                        "ao",   "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1568,7 +1582,7 @@ DGB_API const char* dgb_format_name(dgb_format format) {
 }
 
 DGB_API const char* dgb_oracle_name(dgb_oracle oracle) {
-    static const char* const names[] = {"default", "peel", "previous", "reproject", "predict", "delay"};
+    static const char* const names[] = {"default", "peel", "previous", "reproject", "predict", "delay", "warp"};
     return dgbi_in_range((int)oracle, 0, DGB_ORACLE_COUNT - 1) ? names[oracle] : "?";
 }
 
@@ -1751,6 +1765,13 @@ static void dgbi_add_output(dgb_plan_pass* pass, dgb_slot slot) {
     pass->outputs[pass->output_count++] = slot;
 }
 
+/* Run once for each layer that another is compared with. */
+static void dgbi_plan_warp(dgb_plan* plan) {
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_WARP, 0, dgbi_add_program(plan, DGB_PASS_WARP));
+    dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+    dgbi_add_output(pass, DGB_ORACLE);
+}
+
 /* Run once for each layer behind the first. */
 static void dgbi_plan_resolve(const dgb_desc* d, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_RESOLVE);
@@ -1777,8 +1798,11 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
                   {DGB_TARGET_NORMAL, DGB_NORMAL, DGB_FORMAT_RGBA8},
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
-    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
+    const bool whole = d->oracle == DGB_ORACLE_PREVIOUS || d->oracle == DGB_ORACLE_REPROJECT; /* last frame's depth */
+    dgb_plan_pass* pass;
     size_t i;
+    if (d->oracle == DGB_ORACLE_WARP && d->layers > 1) dgbi_plan_warp(plan);
+    pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
     dgbi_add_texture(plan, DGB_DEPTH, d->depth_format, d->layers, 1);
     for (i = 0; i < sizeof colors / sizeof colors[0]; ++i)
         if (d->targets & colors[i].target) {
@@ -1790,7 +1814,7 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
         dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
         return;
     }
-    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, dgbi_has_prediction(d->oracle) ? d->layers - 1 : d->layers, 1);
+    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, whole ? d->layers : d->layers - 1, 1);
     dgbi_add_input(pass, DGB_ORACLE);
     if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
     if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
@@ -2357,7 +2381,8 @@ static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* 
 static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw, dgb_draw_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = b->camera;
-    u->previous = draw->oracle == DGB_ORACLE_PEEL ? b->camera : c->oracle_camera; /* peeling reads this frame's depth */
+    /* peeling reads this frame's depth, and warped depth is as this frame's */
+    u->previous = draw->oracle == DGB_ORACLE_PEEL || draw->oracle == DGB_ORACLE_WARP ? b->camera : c->oracle_camera;
     dgbi_distance_row(draw->projection, u->distance);
     dgbi_distance_row(draw->previous_projection, u->previous_distance);
     u->size[0] = (float)draw->width;
@@ -2501,6 +2526,55 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
+/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
+static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
+    double inverse[12], affine[12], change[12];
+    int row, column;
+    const bool same = dgbi_same_bits(now, last, 16);
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) {
+            affine[column * 3 + row] = (double)last[column * 4 + row];
+            change[column * 3 + row] = column == row ? 1.0 : 0.0;
+        }
+    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
+}
+
+/* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
+static void dgbi_warp(const dgb_context* c, const dgbi_build* b) {
+    const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_WARP);
+    const int width = c->plan.width, height = c->plan.height;
+    dgb_warp_uniforms u;
+    dgb_pass pass;
+    if (!plan_pass || b->oracle == DGB_ORACLE_PEEL) return;
+    memset(&u, 0, sizeof u);
+    u.camera = b->camera;
+    u.last = c->camera;
+    u.depth[0] = dgbi_depth_codes(c->desc.depth_format);
+    dgbi_to_last(b->pose.view, c->drawn.view, u.to_last);
+    dgbi_marker(c, DGB_PASS_WARP, true);
+    for (u.layer[0] = 0; u.layer[0] < b->layers - 1; ++u.layer[0]) {
+        const int divisor = u.layer[0] ? c->desc.divisor : 1;
+        memset(&pass, 0, sizeof pass);
+        pass.id = DGB_PASS_WARP;
+        pass.depth.texture = c->textures[DGB_ORACLE];
+        pass.depth.layer = u.layer[0];
+        pass.width = (float)dgbi_units(width, divisor);
+        pass.height = (float)dgbi_units(height, divisor);
+        pass.clip = c->desc.clip;
+        u.layer[1] = divisor;
+        u.layer[2] = dgbi_units(2 * width - divisor, 2 * divisor) - 1; /* whose centre lies within the buffer */
+        u.layer[3] = dgbi_units(2 * height - divisor, 2 * divisor) - 1;
+        c->backend.pass_begin(c->backend.user, &pass);
+        dgbi_bind_inputs(c, plan_pass);
+        c->backend.uniforms_upload(c->backend.user, &u, sizeof u);
+        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
+        c->backend.pass_end(c->backend.user);
+    }
+    dgbi_marker(c, DGB_PASS_WARP, false);
+}
+
 static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_pose* pose) {
     memcpy(pose->view, view->view, sizeof pose->view);
     dgb_widen_projection(view->projection, c->desc.width, c->desc.height, c->desc.guard_band, view->jitter,
@@ -2510,7 +2584,7 @@ static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_
 /* What the layers are drawn with: the pose submitted, or with DELAY the one before it. */
 static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, bool fresh, dgbi_build* b) {
     const bool delayed = c->plan.oracle == DGB_ORACLE_DELAY && !fresh;
-    b->plan_pass = &c->plan.passes[0];
+    b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_LAYERS);
     b->depth = DGB_DEPTH;
     b->layers = c->plan.layers;
     b->pose = delayed ? c->pending : *submitted;
@@ -2578,13 +2652,14 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     b.user = user;
     if (predicts)
         dgbi_swap(context, DGB_PREDICTED, DGB_ORACLE);
-    else if (context->textures[DGB_ORACLE].id)
+    else if (context->textures[DGB_ORACLE].id && context->plan.oracle != DGB_ORACLE_WARP)
         dgbi_swap(context, DGB_DEPTH, DGB_ORACLE);
     dgbi_main_build(context, &submitted, fresh, &b);
     b.camera = camera;
     if (b.pose_offset) (void)dgbi_camera_of(context, &b.pose, &b.camera); /* was fine when it was submitted */
 
     dgbi_begin(&context->backend);
+    dgbi_warp(context, &b);
     dgbi_submit(context, &b);
     dgbi_resolve(context, &b);
     context->camera = b.camera;
@@ -2669,21 +2744,6 @@ static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t in
     inclusive[1] = rect[1];
     inclusive[2] = rect[0] + rect[2] - 1;
     inclusive[3] = rect[1] + rect[3] - 1;
-}
-
-/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
-static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
-    double inverse[12], affine[12], change[12];
-    int row, column;
-    const bool same = dgbi_same_bits(now, last, 16);
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) {
-            affine[column * 3 + row] = (double)last[column * 4 + row];
-            change[column * 3 + row] = column == row ? 1.0 : 0.0;
-        }
-    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
 }
 
 /* usable: whether last frame is worth looking at. Layers that are shaded again have not moved. */
@@ -2904,6 +2964,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         break;
     case DGB_PASS_REFLECT: dgbi_reflect_uniforms(c, q, &u.reflect), size = sizeof u.reflect; break;
     case DGB_PASS_GLOSSY: dgbi_glossy_uniforms(c, q, &u.glossy), size = sizeof u.glossy; break;
+    case DGB_PASS_WARP:
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:

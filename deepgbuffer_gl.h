@@ -56,7 +56,7 @@
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 13 and one uniform buffer binding. During your draw callback the oracle sits
+       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback the oracle sits
        in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
        with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
@@ -555,6 +555,105 @@ static const char* const dgbgli_glsl_fullscreen[] = { /* 05_fullscreen.glsl */
     "void main() {\n"
     "    vec2 corner = vec2(float((gl_VertexID & 1) << 2), float((gl_VertexID & 2) << 1)); // (0,0) (4,0) (0,4)\n"
     "    gl_Position = vec4(corner - 1.0, 0.0, 1.0);\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_warp[] = { /* 08_warp.glsl */
+    "#line 80001\n"
+    "// Warp: last frame's depth as this frame's camera sees it, for a world that stands still. One run a layer. A guess of the depth at\n"
+    "// a pixel says which texel of last frame to look at, and what is there is the next guess (a fixed point). It starts twice: from\n"
+    "// the depth that the pixel had, and from the nearest depth around it, which finds what comes in front.\n"
+    "\n"
+    "layout(std140) uniform dgb_warp_block {\n"
+    "    dgb_camera dgb_warp_camera;\n"
+    "    dgb_camera dgb_warp_last;\n"
+    "    vec4       dgb_warp_to_last[3]; // rows: from this frame's camera space to last frame's\n"
+    "    ivec4      dgb_warp_layer;      // layer, pixels a texel along one side, last column and row of texels\n"
+    "    vec4       dgb_warp_depth;      // depth codes\n"
+    "};\n"
+    "\n"
+    "uniform sampler2DArray dgb_oracle; // last frame's depth\n"
+    "\n"
+    "const int   DGB_WARP_LOOKS = 3;     // texels looked at from each start\n"
+    "const float DGB_WARP_INSIDE = 0.505; // texels from a texel's centre that are still it: half, and rounding\n"
+    "\n"
+    "// The pixel's ray in last frame's camera space: z of this frame's camera times `along`, plus `from`.\n"
+    "struct dgb_ray {\n"
+    "    vec3 along, from;\n"
+    "};\n"
+    "\n"
+    "struct dgb_find {\n"
+    "    float z;     // camera space, m\n"
+    "    float depth; // of the texel looked at\n"
+    "    float off;   // texels from its centre to where the point was, the larger of x and y\n"
+    "};\n"
+    "\n"
+    "vec3 dgb_to_last(vec3 v, float w) {\n"
+    "    vec4 point = vec4(v, w);\n"
+    "    return vec3(dot(dgb_warp_to_last[0], point), dot(dgb_warp_to_last[1], point), dot(dgb_warp_to_last[2], point));\n"
+    "}\n"
+    "\n"
+    "float dgb_last_depth(ivec2 texel) {\n"
+    "    return texelFetch(dgb_oracle, ivec3(clamp(texel, ivec2(0), dgb_warp_layer.zw), dgb_warp_layer.x), 0).r;\n"
+    "}\n"
+    "\n"
+    "// Sky lies on the far plane, or where there is none at the greatest distance.\n"
+    "float dgb_last_z(float depth) {\n"
+    "    float z   = dgb_linear_z(dgb_depth_code(depth, dgb_warp_depth.x), dgb_warp_last);\n"
+    "    float far = dgb_warp_last.linearise.x / dgb_warp_last.linearise.z;\n"
+    "    return z != 0.0 ? z : abs(far) <= DGB_MAX_DISTANCE ? far : DGB_EMPTY_Z;\n"
+    "}\n"
+    "\n"
+    "// Where the point at z was, in texels of last frame; beyond the buffer, on its border.\n"
+    "vec2 dgb_last_texel(dgb_ray ray, float z) {\n"
+    "    vec2 texel = dgb_project(ray.along * z + ray.from, dgb_warp_last) / float(dgb_warp_layer.y);\n"
+    "    return clamp(texel, vec2(0.0), vec2(dgb_warp_layer.zw) + 1.0);\n"
+    "}\n"
+    "\n"
+    "dgb_find dgb_look(dgb_ray ray, float z_last) {\n"
+    "    dgb_find find;\n"
+    "    vec2     at;\n"
+    "    float    z = (z_last - ray.from.z) / ray.along.z; // exactly z_last when the camera stands still\n"
+    "    for (int i = 0; i < DGB_WARP_LOOKS; ++i) {\n"
+    "        at         = floor(dgb_last_texel(ray, z));\n"
+    "        find.depth = dgb_last_depth(ivec2(at));\n"
+    "        z          = (dgb_last_z(find.depth) - ray.from.z) / ray.along.z;\n"
+    "    }\n"
+    "    vec2 off = abs(dgb_last_texel(ray, z) - (min(at, vec2(dgb_warp_layer.zw)) + 0.5));\n"
+    "    find.z   = z;\n"
+    "    find.off = max(off.x, off.y);\n"
+    "    return find;\n"
+    "}\n"
+    "\n"
+    "// Nearest depth among the pixel and eight around it, as far off as things come nearer in a frame. Reversed depth is compared\n"
+    "// with its sign changed.\n"
+    "float dgb_nearest_around(ivec2 texel) {\n"
+    "    float empty = dgb_warp_last.footprint.w, order = empty > 0.0 ? 1.0 : -1.0, nearest = order * empty;\n"
+    "    for (int y = -16; y <= 16; y += 16)\n"
+    "        for (int x = -16; x <= 16; x += 16) nearest = min(nearest, order * dgb_last_depth(texel + ivec2(x, y)));\n"
+    "    return dgb_last_z(order * nearest);\n"
+    "}\n"
+    "\n"
+    "// The inverse of dgb_linear_z.\n"
+    "float dgb_depth_of(float z, dgb_camera camera) {\n"
+    "    vec4 l = camera.linearise;\n"
+    "    return (l.x - l.z * z) / (l.w * z - l.y) + camera.footprint.w;\n"
+    "}\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2    texel = ivec2(gl_FragCoord.xy);\n"
+    "    vec2     pixel = gl_FragCoord.xy * float(dgb_warp_layer.y);\n"
+    "    vec3     one   = dgb_position(pixel, 1.0, dgb_warp_camera), zero = dgb_position(pixel, 0.0, dgb_warp_camera);\n"
+    "    dgb_ray  ray   = dgb_ray(dgb_to_last(one - zero, 0.0), dgb_to_last(zero, 1.0));\n"
+    "    float    own   = dgb_last_depth(texel);\n"
+    "    dgb_find a     = dgb_look(ray, dgb_last_z(own)), b = dgb_look(ray, dgb_nearest_around(texel));\n",
+    "    bool     a_in  = a.off <= DGB_WARP_INSIDE, b_in = b.off <= DGB_WARP_INSIDE;\n"
+    "    // the nearer of two surfaces that are there, else what is least far off\n"
+    "    if (b_in ? !a_in || b.z > a.z : !a_in && b.off < a.off) a = b;\n"
+    "    float same   = dgb_linear_z(dgb_depth_code(a.depth, dgb_warp_depth.x), dgb_warp_camera);\n"
+    "    float depth  = a.z == same ? a.depth : dgb_depth_of(a.z, dgb_warp_camera);\n"
+    "    gl_FragDepth = same == 0.0 ? dgb_warp_camera.footprint.w : depth >= 0.0 && depth <= 1.0 ? depth : own;\n"
     "}\n",
     0
 };
@@ -2887,6 +2986,7 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_GLOSSY)
         dgbgli_add_chunks(c, dgbgli_glsl_history);
     switch (pass) {
+    case DGB_PASS_WARP: dgbgli_add_chunks(c, dgbgli_glsl_warp); break;
     case DGB_PASS_RESOLVE: dgbgli_add_chunks(c, dgbgli_glsl_resolve); break;
     case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
     case DGB_PASS_MIP: dgbgli_add_chunks(c, dgbgli_glsl_mip); break;
@@ -2967,7 +3067,6 @@ static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* 
 static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     switch (slot) {
     case DGB_Z:
-    case DGB_KEY:
     case DGB_DEPTH:
     case DGB_TILE_DEPTHS:
     case DGB_HALF:
@@ -3006,7 +3105,7 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_ALBEDO1: return 12;
     case DGB_LAST_FRAMES:
     case DGB_TILES: return 13;
-    default: return b->desc.oracle_unit;
+    default: return b->desc.oracle_unit; /* key and oracle: beside passes of the engine's, whose units the others are */
     }
 }
 
@@ -3024,16 +3123,24 @@ static void dgbgli_connect_samplers(const dgbgl_backend* b, unsigned int program
     }
 }
 
+/* The pass that draws the engine's scene. */
+static const dgb_plan_pass* dgbgli_layers_pass(const dgb_plan* plan) {
+    const dgb_plan_pass* pass = plan->passes;
+    while (pass->id != DGB_PASS_LAYERS) ++pass;
+    return pass;
+}
+
 /* Image units: the key is 0, then the layer targets in the order of their locations. */
 static void dgbgli_connect_images(const dgbgl_backend* b, const dgb_plan* plan, unsigned int program) {
+    const dgb_plan_pass* pass = dgbgli_layers_pass(plan);
     int i;
     b->gl.UseProgram(program);
-    for (i = -1; i < plan->passes[0].output_count; ++i) {
+    for (i = -1; i < pass->output_count; ++i) {
         char name[48];
         dgbgli_text t = dgbgli_text_on(name, sizeof name);
         int location;
         dgbgli_put(&t, "dgb_image_");
-        dgbgli_put(&t, i < 0 ? "key" : dgb_slot_name(plan->passes[0].outputs[i]));
+        dgbgli_put(&t, i < 0 ? "key" : dgb_slot_name(pass->outputs[i]));
         location = b->gl.GetUniformLocation(program, name);
         if (location >= 0) b->gl.Uniform1i(location, i + 1);
     }
@@ -3216,7 +3323,7 @@ static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
     }
     b->gl.BindVertexArray(b->vertex_array);
     if (!pass->depth.texture.id) return;
-    b->gl.Enable(DGBGLI_DEPTH_TEST); /* resolve: depth is written only with the test on */
+    b->gl.Enable(DGBGLI_DEPTH_TEST); /* warp, resolve: depth is written only with the test on */
     b->gl.DepthFunc(DGBGLI_ALWAYS);
 }
 
@@ -3640,7 +3747,7 @@ DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage
             dgbgli_put_renames(&t, dgbgli_varyings, DGBGLI_VARYING_COUNT);
             dgbgli_put_renames(&t, varyings, count);
         }
-        dgbgli_put_locations(&t, &context->plan.passes[0]);
+        dgbgli_put_locations(&t, dgbgli_layers_pass(&context->plan));
         dgbgli_put_chunks(&t, dgbgli_glsl_layers_fragment);
     }
     dgbgli_put(&t, "#line 1\n");

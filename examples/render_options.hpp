@@ -371,10 +371,12 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
         {{"peel", DGB_ORACLE_PEEL},
          {"previous", DGB_ORACLE_PREVIOUS},
          {"reproject", DGB_ORACLE_REPROJECT},
+         {"warp", DGB_ORACLE_WARP},
          {"predict", DGB_ORACLE_PREDICT},
          {"delay", DGB_ORACLE_DELAY}},
         [=](dgb_oracle oracle) { o->oracle = oracle; },
-        "what tells a layer where the one in front is: peel, previous, reproject (default), predict, or delay, which "
+        "what tells a layer where the one in front is: peel, previous, reproject (default), warp, predict, or delay, "
+        "which "
         "shows the frame before");
     add_choice<dgb_emission>(
         app, "--emit",

@@ -468,17 +468,19 @@ static void test_plans_keep_their_limits(void** state) {
 static void check_construction(const dgb_desc* desc, const dgb_plan* plan) {
     const bool built = desc->source == DGB_SOURCE_BUILD, deep = built && plan->layers > 1;
     const bool predicts = deep && (desc->oracle == DGB_ORACLE_PREDICT || desc->oracle == DGB_ORACLE_DELAY);
+    const bool warps = deep && desc->oracle == DGB_ORACLE_WARP;
     const bool peels = plan->oracle == DGB_ORACLE_PEEL, image = deep && desc->emission == DGB_EMISSION_IMAGE;
     const dgb_texture_desc* t = find_texture(plan, DGB_ORACLE);
     assert_int_equal(plan->layers, desc->layers ? desc->layers : 2);
     assert_int_equal(t != NULL, deep && !peels);
-    if (t) assert_int_equal(t->layers, predicts ? plan->layers - 1 : plan->layers);
+    if (t) assert_int_equal(t->layers, predicts || warps ? plan->layers - 1 : plan->layers);
     t = find_texture(plan, DGB_PREDICTED);
     assert_int_equal(t != NULL, predicts);
     if (t) assert_int_equal(t->layers, plan->layers - 1);
     t = find_texture(plan, DGB_KEY);
     assert_int_equal(t != NULL, image);
     if (t) assert_true(t->layers == plan->layers - 1 && t->format == DGB_FORMAT_R32UI);
+    check_stage(plan, DGB_PASS_WARP, warps);
     check_stage(plan, DGB_PASS_RESOLVE, image);
     assert_int_equal(has_pass(plan, DGB_PASS_PREDICT), predicts);
     if (!built) return;
@@ -560,10 +562,10 @@ static void test_bytes_of_the_largest(void** state) {
                 6 * 32 * pixels + 20 * chain + 2 * pixels + (16 + 16) * pixels + 2048 + 20 * tiles + 16 * regions);
 }
 
-/* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */
+/* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, 2 (k - 1), or k - 1. */
 static void test_bytes_of_k_layers(void** state) {
-    static const int of_oracle[DGB_ORACLE_COUNT][2] = {{1, 0}, {0, 0},  {1, 0},
-                                                       {1, 0}, {2, -2}, {2, -2}}; /* times k, plus */
+    static const int of_oracle[DGB_ORACLE_COUNT][2] = {{1, 0},  {0, 0},  {1, 0}, {1, 0},
+                                                       {2, -2}, {2, -2}, {1, -1}}; /* times k, plus */
     const uint64_t image = (uint64_t)80 * 64 * 4;
     int oracle, layers, is_image;
     (void)state;
@@ -1145,6 +1147,8 @@ static void test_names(void** state) {
     assert_string_equal(dgb_oracle_name(DGB_ORACLE_COUNT), "?");
     assert_string_equal(dgb_oracle_name(DGB_ORACLE_PREDICT), "predict");
     assert_string_equal(dgb_oracle_name(DGB_ORACLE_DELAY), "delay");
+    assert_string_equal(dgb_oracle_name(DGB_ORACLE_WARP), "warp");
+    assert_string_equal(dgb_pass_name(DGB_PASS_WARP), "warp");
     assert_string_equal(dgb_pass_name(DGB_PASS_RESOLVE), "resolve");
     assert_string_equal(dgb_pass_name(DGB_PASS_PREDICT), "predict");
     assert_string_equal(dgb_pass_name(DGB_PASS_RECONSTRUCT), "reconstruct");

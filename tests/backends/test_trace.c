@@ -176,8 +176,10 @@ static const construction constructions[] = {
     {DGB_ORACLE_DELAY, DGB_EMISSION_VERTEX},
     {DGB_ORACLE_DELAY, DGB_EMISSION_IMAGE},
     {DGB_ORACLE_PREDICT, DGB_EMISSION_INSTANCED_GEOMETRY},
-    {DGB_ORACLE_DELAY, DGB_EMISSION_MULTICAST}};
-enum { OLD_CONSTRUCTIONS = 7, GOLDEN_CONSTRUCTIONS = 14, CONSTRUCTION_COUNT = 16 };
+    {DGB_ORACLE_DELAY, DGB_EMISSION_MULTICAST},
+    {DGB_ORACLE_WARP, DGB_EMISSION_VERTEX},
+    {DGB_ORACLE_WARP, DGB_EMISSION_IMAGE}};
+enum { OLD_CONSTRUCTIONS = 7, GOLDEN_CONSTRUCTIONS = 14, PREDICTING_END = 16, CONSTRUCTION_COUNT = 18 };
 
 static void configure(fixture* f, construction c, int layers, uint32_t effects) {
     start(f);
@@ -394,8 +396,8 @@ typedef struct model {
     dgb_emission emission;
     int layers;
     bool running;
-    dgb_pose drawn, submitted; /* last */
-    dgb_camera oracle_camera;
+    dgb_pose drawn, submitted;             /* last */
+    dgb_camera oracle_camera, last_camera; /* the second: as the first was before this frame */
     int count;
     expected_draw draws[MAX_EXPECTED];
 } model;
@@ -470,7 +472,7 @@ static void expect_submission(model* m, dgb_pass_id pass, int layers, expected_d
     const bool alone = d.oracle == DGB_ORACLE_PEEL || m->emission == DGB_EMISSION_SEPARATE;
     int layer;
     d.pass = pass;
-    d.oracle_camera = d.oracle == DGB_ORACLE_PEEL ? d.camera : m->oracle_camera;
+    d.oracle_camera = d.oracle == DGB_ORACLE_PEEL || d.oracle == DGB_ORACLE_WARP ? d.camera : m->oracle_camera;
     for (layer = 0; layer < (alone ? layers : 1); ++layer) {
         d.first = layer;
         d.count = alone ? 1 : layers;
@@ -485,6 +487,7 @@ static void expect_frame(model* m) {
     const dgb_pose submitted = pose_of(f);
     expected_draw main_draw, prediction;
     m->count = 0;
+    m->last_camera = m->oracle_camera;
     memset(&main_draw, 0, sizeof main_draw);
     main_draw.oracle = fresh ? DGB_ORACLE_PEEL : m->oracle;
     main_draw.pose = submitted;
@@ -569,6 +572,28 @@ static void check_resolves(const model* m) {
     assert_int_equal(found, expected);
 }
 
+/* WARP: each layer that another is compared with, from the camera of the frame before to this frame's. */
+static void check_warps(const model* m) {
+    const expected_draw* e = &m->draws[0];
+    const int expected = e->oracle == DGB_ORACLE_WARP ? m->layers - 1 : 0;
+    int i, found = 0;
+    for (i = 0; i < m->f->r.uniform_count; ++i) found += m->f->r.uniforms[i].pass == DGB_PASS_WARP;
+    assert_int_equal(found, expected);
+    for (i = 0; i < expected; ++i) {
+        const dgb_warp_uniforms* u = &record_uniforms_of(&m->f->r, DGB_PASS_WARP, i)->u.warp;
+        const dgb_desc* desc = &m->f->context.desc;
+        const int divisor = i > 0 ? desc->divisor : 1;
+        assert_memory_equal(&u->camera, &e->camera, sizeof u->camera);
+        assert_memory_equal(&u->last, &m->last_camera, sizeof u->last);
+        assert_true(u->layer[0] == i && u->layer[1] == divisor);
+        /* the last texel whose centre lies within the buffer */
+        assert_true(((float)u->layer[2] + 0.5f) * (float)divisor < (float)(desc->width + 16));
+        assert_true(((float)u->layer[2] + 1.5f) * (float)divisor >= (float)(desc->width + 16));
+        assert_true(((float)u->layer[3] + 0.5f) * (float)divisor < (float)(desc->height + 16));
+        assert_true(((float)u->layer[3] + 1.5f) * (float)divisor >= (float)(desc->height + 16));
+    }
+}
+
 static void run_and_check(model* m) {
     fixture* f = m->f;
     int i, in_pass = 0;
@@ -582,6 +607,7 @@ static void run_and_check(model* m) {
         check_draw(m, i);
         check_draw_uniforms(m, i, in_pass);
     }
+    check_warps(m);
     check_resolves(m);
     assert_memory_equal(&f->context.camera, &m->draws[0].camera, sizeof f->context.camera);
     model_advances(m);
@@ -983,7 +1009,7 @@ static void test_depth_and_oracle_change_places(void** state) {
 static void test_prediction_and_oracle_change_places(void** state) {
     int i;
     (void)state;
-    for (i = 8; i < CONSTRUCTION_COUNT; ++i) {
+    for (i = 8; i < PREDICTING_END; ++i) {
         fixture f;
         dgb_texture depth, oracle, predicted;
         int frame, draw;

@@ -424,6 +424,8 @@ constexpr Method kMethods[] = {
     {"vertex", DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX, false, false},
     {"image", DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE, false, false},
     {"skin cache, image", DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE, false, true},
+    {"warp, vertex", DGB_ORACLE_WARP, DGB_EMISSION_VERTEX, false, false},
+    {"warp, image", DGB_ORACLE_WARP, DGB_EMISSION_IMAGE, false, false},
     {"predict, vertex", DGB_ORACLE_PREDICT, DGB_EMISSION_VERTEX, false, false},
     {"predict, image", DGB_ORACLE_PREDICT, DGB_EMISSION_IMAGE, false, false},
     {"delay, vertex", DGB_ORACLE_DELAY, DGB_EMISSION_VERTEX, false, false},

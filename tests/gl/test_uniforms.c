@@ -84,6 +84,11 @@ static const member glossy_members[] = {CAMERA("dgb_glossy_camera", dgb_glossy_u
                                         PAST("dgb_glossy_past", dgb_glossy_uniforms),
                                         ARRAY("dgb_glossy_taps", dgb_glossy_uniforms, taps)};
 
+static const member warp_members[] = {
+    CAMERA("dgb_warp_camera", dgb_warp_uniforms, camera), CAMERA("dgb_warp_last", dgb_warp_uniforms, last),
+    ARRAY("dgb_warp_to_last", dgb_warp_uniforms, to_last), VALUE("dgb_warp_layer", dgb_warp_uniforms, layer),
+    VALUE("dgb_warp_depth", dgb_warp_uniforms, depth)};
+
 typedef struct block {
     const char* name;
     size_t size;
@@ -101,10 +106,11 @@ static const block draw_block = BLOCK(draw);
 
 static const block* block_of(const dgb_program_desc* program) {
     static const block blocks[] = {BLOCK(pack),     BLOCK(ao),    BLOCK(gather),  BLOCK(reconstruct), BLOCK(resolve),
-                                   BLOCK(temporal), BLOCK(tiles), BLOCK(reflect), BLOCK(glossy)};
+                                   BLOCK(temporal), BLOCK(tiles), BLOCK(reflect), BLOCK(glossy),      BLOCK(warp)};
     /* the first steps of TILES have none */
     if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
     switch (program->pass) {
+    case DGB_PASS_WARP: return &blocks[9];
     case DGB_PASS_RESOLVE: return &blocks[4];
     case DGB_PASS_PACK: return &blocks[0];
     case DGB_PASS_TILES: return &blocks[6];

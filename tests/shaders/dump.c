@@ -164,6 +164,9 @@ int main(int argc, char** argv) {
             desc.emission = DGB_EMISSION_IMAGE; /* brings resolve */
             write_plan(argv[1], &desc);
             desc.emission = DGB_EMISSION_AUTO;
+            desc.oracle = DGB_ORACLE_WARP;
+            write_plan(argv[1], &desc);
+            desc.oracle = DGB_ORACLE_DEFAULT;
             desc.source = DGB_SOURCE_ENGINE;
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
                 desc.normals = (dgb_normals)normals;

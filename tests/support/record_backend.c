@@ -388,6 +388,7 @@ static size_t uniform_size(dgb_pass_id pass) {
     switch (pass) {
     case DGB_PASS_LAYERS:
     case DGB_PASS_PREDICT: return sizeof(dgb_draw_uniforms);
+    case DGB_PASS_WARP: return sizeof(dgb_warp_uniforms);
     case DGB_PASS_RESOLVE: return sizeof(int32_t[4]);
     case DGB_PASS_PACK: return sizeof(dgb_pack_uniforms);
     case DGB_PASS_TILES: return sizeof(dgb_tiles_uniforms);
