@@ -9,25 +9,27 @@
 //                      distance is greater by more than the minimum separation, and so on. Alpha test and culling as the
 //                      examples draw. Error: rounding of single-precision rays, about 1e-6 of the scene's size; the alpha
 //                      test reads the finest level of textures, where OpenGL takes the pixel's.
-//     trace_mirror     what a mirror at given points would show: nearest surface along the reflected ray, and the direct
-//                      radiance that leaves it. Error: as above, and `lift` (see there).
-//     trace_occlusion  ambient visibility: one minus the integral of (hidden or not, or hidden and faded with distance) times
-//                      cosine / pi over the hemisphere around the normal. All surfaces, from both sides, wherever they are.
-//                      It reaches below a triangle whose normals lean: there the triangle itself hides everything.
-//     trace_obscurance the paper's own integral (Equations 1 and 2), which is not that: over a disk of the image around
-//                      the pixel, as large as the radius is there, evenly in distance and angle, as the spiral's taps
-//                      are. Each point of the disk is a ray of its own, also beyond the border of the picture; of the exact
-//                      layers that it meets, the one that obscures most counts. The ends of rays are not rounded to
-//                      pixels, nothing comes from MIP levels, and what is closer than a pixel counts.
-//     visibility_of_obscurance   error: that of the sum over 2 sqrt(sum), and a bias of + error^2 / (8 sum^1.5).
-//     trace_irradiance irradiance from surfaces: emission, and what they reflect of all lights after up to so many bounces,
-//                      Lambert's law, path tracing with a shadow ray to every light from every surface. Back sides
-//                      of single-sided materials are black. With a radius, no way between two surfaces is longer.
-//     Estimates state their standard error, and the two halves of their samples: with T under test and halves A, B, the
-//     mean of (T - A)(T - B) over pixels is its mean square error without that of the reference.
 //     outgoing         direct radiance of a surface, emission + albedo / pi * irradiance of all lights, W/m2/sr: what
 //                      the examples write into DGB_RADIANCE, with rays for shadow maps, exact normals for Oct16, and the
 //                      finest level of textures. No bounced light, nothing of the sky.
+//     trace_mirror     what a mirror at given points would show: the nearest surface along the reflected ray, and what is
+//                      outgoing from it. Errors: as above, and `lift` (see there). Where normals lean, a ray may go
+//                      below the triangle that it comes from, and then hits that at once.
+//     trace_occlusion  ambient visibility, the integral over the hemisphere around the normal of visibility times cosine /
+//                      pi, plain, and with occluders that fade with their distance. All surfaces hide, wherever they are and
+//                      from both sides. A hemisphere around a shading normal reaches below its triangle, which hides it.
+//     trace_obscurance the paper's own integral (Equations 1 and 2), which is not that one: over a disk of the image around
+//                      the pixel, as large as the radius is there, evenly in distance from its middle and in angle, as the
+//                      spiral's taps are. Each point of the disk is a ray of its own, also beyond the border of the picture;
+//                      of the exact layers that it meets, the one that obscures most counts. Unlike the library's, taps
+//                      are not moved to pixels' centres, however near, and nothing comes from MIP levels.
+//     trace_irradiance irradiance from surfaces, W/m2: what they emit, and what they reflect of all lights after up to so
+//                      many bounces. Lambert's law; path tracing, with a shadow ray to every light from every surface. Back
+//                      sides of single-sided materials hide and are black. With a radius, no way between two surfaces is
+//                      longer than that.
+//     The last three are Monte-Carlo estimates. Each value states its standard error and the means of the two halves of its
+//     samples: with T under test and halves A and B, the mean of (T - A)(T - B) over pixels is T's mean square error without
+//     the noise of the reference. Their own bias is that of rounding; closed forms are met within 1e-3.
 #pragma once
 
 #include "render_camera.hpp"
@@ -220,13 +222,13 @@ std::vector<Estimate<double>> trace_obscurance(const ReferenceScene& scene, cons
                                                const std::vector<SurfacePoint>& points,
                                                const ObscuranceOptions& options, int samples, uint64_t seed);
 
-// Paper, Equation 1.
+// Paper, Equation 1. Of a sum with an error e: too high by about e^2 / (8 sum^1.5), off by e / (2 sqrt(sum)).
 inline double visibility_of_obscurance(double sum) { return std::max(0.0, 1.0 - std::sqrt(sum)); }
 
 constexpr int kEndless = 0;
 
 struct IrradianceOptions {
-    int bounces = 1; // 1: light that some surface emits or mirrors straight from the lights; or kEndless
+    int bounces = 1; // 1: light that some surface emits, or reflects straight from the lights; or kEndless
     float radius = std::numeric_limits<float>::infinity(); // longest way from surface to surface, metres
     bool sky = false;                                      // what misses everything meets the sky
 };
