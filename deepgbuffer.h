@@ -44,7 +44,8 @@
                     is a further frame in which nothing has moved: one bounce more, one set of taps more.
        5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, confidence),
                     AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere: a
-                    light probe, or a constant. dgbgl_composite_snippet has this as a GLSL function.
+                    light probe, or a constant. Mirrors and rough surfaces add their reflectance or environment BRDF times
+                    lerp(environment, L, confidence), both from DGB_REFLECTION. dgbgl_composite_snippet has these in GLSL.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -66,11 +67,12 @@
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [tiles]       where the second layer can matter at all
              -> [ao]          ambient visibility
-             -> [gather]      irradiance + confidence, with BOUNCES of both layers
+             -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
              -> [range]       HIERARCHICAL: depth ranges of both layers, over cells of 4, 8, 16... pixels
              -> [reflect]     what a mirror in each pixel would show, from both layers
+             -> [glossy]      GLOSSY: what a rough surface would, from the rays of neighbours and of frames before
              -> your composite, and next frame's pack
        What desc.effects does not ask for has no texture, no pass and no program: dgb_make_plan shows it without a GPU.
 
@@ -124,8 +126,17 @@
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
        mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
-       longer steps are cheaper and look for the hit within the step. With BOUNCES, mirrored surfaces show their bounced
-       light. Rougher surfaces are not done yet.
+       longer steps are cheaper and look for the hit within the step. Mirrored surfaces show what they send, and with
+       RADIOSITY what they make of bounced light: last frame's with BOUNCES, else this frame's, albedo/pi * confidence * E,
+       which needs ALBEDO. (Light from a probe is not known here: add to DGB_RADIANCE what should be mirrored of it.)
+       DGB_EFFECT_GLOSSY turns the mirror of each pixel into that of one microfacet, as a surface of the perceptual roughness
+       in the blue channel of DGB_NORMAL (dgb_layers.roughness) shows them, and takes into account the rays of glossy_taps
+       neighbours on the same surface. The result is the average radiance of the lobe, D(h) G1(v) / (4 n.v), by which your
+       environment map should be prefiltered and which your environment BRDF multiplies (split sum). Confidence is the share of
+       the lobe that hits something. With TEMPORAL the frames are averaged, by history_weight: along the motion of the surface,
+       and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
+       less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
+       stands still lags behind. Roughness 0 is the mirror, exactly.
        desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
        that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
        longer the rays and the shorter the steps, the more it saves.
@@ -159,11 +170,15 @@
        dgb_spiral_turns         any int            exact minimiser to 256       n < 1: 0
        dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
        dgb_pixel_hash           any int            exact, same in GLSL          -
+       dgb_pixel_pair           any int            exact, same in GLSL          -
        dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
        dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
        dgb_keep_test            any float          exact                        NaN anywhere: false
        dgb_ao_term              any float          a few ulp                    not finite: 0
        dgb_gather_term          any float          a few ulp                    not finite, v = 0: 0
+       dgb_ggx_alpha            any float          exact square                 NaN, below 1/512: 0; above 1: 1
+       dgb_ggx_normal           any float          see above it                 always finite
+       dgb_ggx_density          any float          a few ulp, relative          not finite, alpha <= 0: 0
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
@@ -183,7 +198,7 @@
 
    VERSION HISTORY
        0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction,
-              mirror reflections; OpenGL backend
+              mirror and glossy reflections; OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H
@@ -220,8 +235,10 @@ extern "C" {
 #define DGB_MAX_RADIUS 1e14f
 #define DGB_MAX_RADIANCE 64512.0f /* largest value of the 10-bit float, the narrowest channel stored to */
 #define DGB_MIN_COSINE 0.017f     /* light that grazes a receiver within the error of an Oct16 normal is not counted */
-#define DGB_ROTATION_COUNT 256    /* rotations of the spiral */
-#define DGB_TILE_SIZE 16          /* pixels along one side of a tile */
+#define DGB_MIN_ROUGHNESS (1.0f / 512.0f) /* below it a surface is a mirror; a byte above 0 is rougher */
+#define DGB_MAX_GLOSSY_TAPS 32            /* neighbours whose rays a pixel takes into account */
+#define DGB_ROTATION_COUNT 256            /* rotations of the spiral */
+#define DGB_TILE_SIZE 16                  /* pixels along one side of a tile */
 #define DGB_REGION_SIZE 128
 #define DGB_CELL_SIZE 4     /* pixels along one side of a cell of the finest depth ranges */
 #define DGB_AO_LOG2_Q 3     /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
@@ -229,9 +246,9 @@ extern "C" {
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 14
+#define DGB_MAX_PROGRAMS 16
 #define DGB_MAX_PASSES 26
-#define DGB_MAX_TEXTURES 36
+#define DGB_MAX_TEXTURES 40
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
 
@@ -244,39 +261,41 @@ typedef enum dgb_result {
 } dgb_result;
 
 /* X(name, sentence): every reason a call can give. */
-#define DGB_LOG_ITEMS(X)                                                                                         \
-    X(NULL_ARGUMENT, "a required pointer is null")                                                               \
-    X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
-    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
-    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
-    X(EFFECTS, "effects holds an unknown bit, or BOUNCES without RADIOSITY, or TEMPORAL with nothing to filter") \
-    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
-    X(ENUM, "an enum of the desc is out of range")                                                               \
-    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
-    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")            \
-    X(EMISSION, "the backend does not offer this emission")                                                      \
-    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                             \
-    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                          \
-    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                           \
-    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                 \
-    X(TEXTURE, "the backend could not create a texture")                                                         \
-    X(PROGRAM, "the backend could not create a program")                                                         \
-    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                     \
-    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                               \
-    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round") \
-    X(SEPARATION, "separation must be finite and 0 or more")                                                     \
-    X(AO_PARAMS,                                                                                                 \
-      "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")     \
-    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
-    X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
-    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
-    X(REFLECT_PARAMS,                                                                                            \
-      "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
-    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                           \
-    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")          \
-    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
-    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")           \
-    X(INPUT, "a texture that the plan reads was not given")                                                      \
+#define DGB_LOG_ITEMS(X)                                                                                            \
+    X(NULL_ARGUMENT, "a required pointer is null")                                                                  \
+    X(SIZE, "width and height must be 1 to 16384 pixels")                                                           \
+    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")           \
+    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                      \
+    X(EFFECTS, "effects holds an unknown bit, BOUNCES without RADIOSITY, GLOSSY without REFLECT, or TEMPORAL with " \
+               "nothing to filter")                                                                                 \
+    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                          \
+    X(ENUM, "an enum of the desc is out of range")                                                                  \
+    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")       \
+    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")               \
+    X(EMISSION, "the backend does not offer this emission")                                                         \
+    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                                \
+    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                             \
+    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                              \
+    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                    \
+    X(TEXTURE, "the backend could not create a texture")                                                            \
+    X(PROGRAM, "the backend could not create a program")                                                            \
+    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                        \
+    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                                  \
+    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round")    \
+    X(SEPARATION, "separation must be finite and 0 or more")                                                        \
+    X(AO_PARAMS,                                                                                                    \
+      "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")        \
+    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                              \
+    X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                       \
+    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")            \
+    X(REFLECT_PARAMS,                                                                                               \
+      "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")     \
+    X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                                  \
+    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                              \
+    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")             \
+    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                              \
+    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")              \
+    X(INPUT, "a texture that the plan reads was not given")                                                         \
     X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
 
 typedef enum dgb_log_item {
@@ -296,13 +315,15 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_AO = 1,        /* ambient occlusion: DGB_AO */
        DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
-       DGB_EFFECT_TEMPORAL = 8,  /* with AO or RADIOSITY: averages them over frames */
-       DGB_EFFECT_REFLECT = 16   /* mirror reflections: DGB_REFLECTION */
+       DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
+       DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
+       DGB_EFFECT_GLOSSY = 32    /* with REFLECT: by each surface's roughness */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
-       DGB_TARGET_ALBEDO = 1,   /* RGBA8: linear albedo, one value of the engine's own */
-       DGB_TARGET_NORMAL = 2,   /* RGBA8: Oct16 camera-space normal, two material values of the engine's own */
+       DGB_TARGET_ALBEDO = 1, /* RGBA8: linear albedo, one value of the engine's own */
+       DGB_TARGET_NORMAL =
+           2, /* RGBA8: Oct16 camera-space normal; roughness for GLOSSY, else the engine's own; the engine's own */
        DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
        DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
        DGB_TARGET_ALL = 15
@@ -381,6 +402,8 @@ typedef enum dgb_format {
     DGB_FORMAT_RG32F,
     DGB_FORMAT_RGBA32F,
     DGB_FORMAT_R32UI,
+    DGB_FORMAT_RG32UI,
+    DGB_FORMAT_RGBA32UI,
     DGB_FORMAT_D16,
     DGB_FORMAT_D24,
     DGB_FORMAT_D32F,
@@ -409,6 +432,7 @@ typedef enum dgb_format {
     X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                              \
     X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                          \
     X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                          \
+    X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                          \
     /* packed shading input, with MIP levels */                                                                          \
     X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */                                     \
     X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
@@ -430,17 +454,23 @@ typedef enum dgb_format {
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
-    X(DGB_AO_HALF, "ao_half")                                                                                            \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
-    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
-    X(DGB_AO, "ao")                   /* ambient visibility, 1 = open */                                                 \
-    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                      \
-    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, which you cannot see: light for the next bounce */                  \
+    /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
+    X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF1, "half1")                                                                                                \
+    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
+    X(DGB_IRRADIANCE1,                                                                                                   \
+      "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
     /* depth ranges, with MIP levels: largest and smallest z of layer 0, of layer 1 */                                   \
     X(DGB_RANGES, "ranges")                                                                                              \
+    X(DGB_REFLECTION_RAW, "reflection_raw")   /* GLOSSY: of one ray; of this frame */                                    \
+    X(DGB_LAST_REFLECTION, "last_reflection") /* GLOSSY and TEMPORAL: of last frame, and the frames averaged / 255 */    \
+    X(DGB_REFLECTION_FRAMES, "reflection_frames")                                                                        \
+    X(DGB_LAST_REFLECTION_FRAMES, "last_reflection_frames")                                                              \
     X(DGB_REFLECTION,                                                                                                    \
       "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
-    X(DGB_REFLECTION_HIT, "reflection_hit") /* r: layer hit + 1, 0 for none; g: length of the ray, m */
+    /* r: layer hit + 1, 0 for none; g: length of the ray, m; GLOSSY: b, a: its direction in camera space, octahedral */ \
+    X(DGB_REFLECTION_HIT, "reflection_hit")
 
 typedef enum dgb_slot {
     DGB_SLOT_NONE = 0,
@@ -463,6 +493,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_RECONSTRUCT,
     DGB_PASS_RANGE,
     DGB_PASS_REFLECT,
+    DGB_PASS_GLOSSY,
     DGB_PASS_COUNT
 } dgb_pass_id;
 
@@ -509,6 +540,9 @@ DGB_API void dgb_rotation(int index, float cos_sin[2]);
 /* Which of the 256 rotations a pixel takes in a frame: a hash of the pixel, and from frame to frame 159 / 256 of a turn more,
    near the golden section, so that the frames of an average share out the circle. Integers only: the same everywhere. */
 DGB_API int dgb_pixel_hash(int x, int y, int frame);
+/* Two numbers of a pixel and frame for sampling a square, in 0..1, neither 0 nor 1: the R2 sequence (Roberts 2018) over
+   the frames from a hash of the pixel. Integers until the last step: the same everywhere. */
+DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
@@ -568,6 +602,16 @@ DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturate
 DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
                                    float plane_sharpness);
 
+/* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
+DGB_API float dgb_ggx_alpha(float roughness);
+/* One of the microfacets that a viewer sees on a surface with unit normal n: GGX distribution of visible normals of width
+   alpha, sampled with u in 0..1 (Heitz 2018, as the spherical cap of Dupuy and Benyoub 2023). v: unit, towards the eye.
+   dot(v, h) >= 0 always; h = n for alpha <= 0; where v is behind the surface, or something is not finite, h = v or +Z. */
+DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, const float u[2], float h[3]);
+/* Density (1/sr) of the unit direction l in which such microfacets mirror v: D(h) G1(v) / (4 n.v), h halfway. Integrates to 1
+   over all directions, those below the surface included. alpha <= 0, not finite, or l = -v: 0. */
+DGB_API float dgb_ggx_density(const float v[3], const float n[3], const float l[3], float alpha);
+
 /* --- parameters of a frame ---------------------------------------------------------------------------------------- */
 
 typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
@@ -609,6 +653,9 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int reflect_steps;       /* most steps of a ray, 1..4096 */
     int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
     float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
+
+    int glossy_taps;     /* neighbours whose rays a pixel takes into account, 0 to 32 */
+    float glossy_radius; /* no farther away than this, pixels; nearer where the reflection is blurred less */
 } dgb_params;
 
 typedef enum dgb_preset_id {
@@ -770,11 +817,22 @@ typedef struct dgb_reconstruct_uniforms {
 
 typedef struct dgb_reflect_uniforms {
     dgb_camera camera;
-    int32_t size[4]; /* buffer width and height, most steps */
+    int32_t size[4]; /* buffer width and height, most steps, frame */
+    int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
     float fade[4];   /* width of the border (pixels) */
     int32_t skip[4]; /* log2 of the most steps skipped at once, of the least power of two >= pixels a step */
 } dgb_reflect_uniforms;
+
+typedef struct dgb_glossy_uniforms {
+    dgb_camera camera;
+    int32_t rect[4];    /* where there are reflections: x0, y0, x1, y1, the last two inclusive */
+    int32_t size[4];    /* taps, frame */
+    float reach[4];     /* largest radius (pixels), longest ray (m), weight of history */
+    float sharpness[4]; /* normal, plane */
+    dgb_reprojection past;
+    float taps[DGB_MAX_GLOSSY_TAPS][4];
+} dgb_glossy_uniforms;
 
 /* --- plan --------------------------------------------------------------------------------------------------------- */
 
@@ -863,10 +921,11 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture depth[DGB_MAX_SHADED_LAYERS];    /* depth-buffer values in the desc's convention */
     dgb_texture normal[DGB_MAX_SHADED_LAYERS];   /* as desc.normals says; unread for DGB_NORMALS_FROM_DEPTH */
     dgb_texture radiance[DGB_MAX_SHADED_LAYERS]; /* outgoing radiance; read for radiosity only */
-    dgb_texture albedo[DGB_MAX_SHADED_LAYERS];   /* linear; read for more than one bounce only */
+    dgb_texture albedo[DGB_MAX_SHADED_LAYERS];   /* linear; read for more than one bounce and for mirrored light only */
     dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
                                                     one: metres of camera z by which the object itself moved. Read for
                                                     more than one bounce and for the temporal filter only */
+    dgb_texture roughness; /* r: perceptual roughness of the first layer, 0 to 1; read for GLOSSY only */
 } dgb_layers;
 
 typedef struct dgb_pose { /* a camera as drawn with: the projection widened and jittered */
@@ -915,7 +974,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
 
 /* A texture of the plan, id 0 if the plan has none. Valid until dgb_resize, dgb_shutdown, or, for those that change places
    with last frame's, the next dgb_build (DGB_DEPTH, DGB_ORACLE, DGB_PREDICTED) or dgb_shade (DGB_Z, DGB_FRAMES, the means,
-   and all DGB_LAST). DGB_AO and DGB_IRRADIANCE stay. */
+   with GLOSSY and TEMPORAL DGB_REFLECTION, and all DGB_LAST). DGB_AO and DGB_IRRADIANCE stay. */
 DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot);
 
 DGB_API const char* dgb_result_name(dgb_result result);       /* "DGB_OK"; "?" out of range, here and below */
@@ -1136,6 +1195,17 @@ DGB_API int dgb_pixel_hash(int x, int y, int frame) {
     return (int)(((h >> 24) + (uint32_t)frame * 159u) & 255u);
 }
 
+DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]) {
+    uint32_t h = (uint32_t)x * 0x8da6b343u ^ (uint32_t)y * 0xd8163841u, g;
+    h = (h ^ h >> 16) * 0x7feb352du;
+    h = (h ^ h >> 15) * 0x846ca68bu;
+    g = (h ^ h >> 16) * 0x2c1b3c6du;
+    g = (g ^ g >> 15) * 0x297a2d39u;
+    /* 2^32 / p and 2^32 / p^2, p^3 = p + 1; 23 bits and a half are a float */
+    u[0] = ((float)((h + (uint32_t)frame * 3242174889u) >> 9) + 0.5f) / 8388608.0f;
+    u[1] = ((float)((g + (uint32_t)frame * 2447445414u) >> 9) + 0.5f) / 8388608.0f;
+}
+
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     if (dgbi_is_nan(h) || dgbi_bits(h) >> 31) return min_level;
     return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - log2_q, min_level, max_level);
@@ -1316,6 +1386,67 @@ DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const fl
     return dgbi_is_finite(weight) ? weight : 0.0f;
 }
 
+/* >> reflections: the lobe */
+
+DGB_API float dgb_ggx_alpha(float roughness) {
+    if (dgbi_is_nan(roughness) || roughness < DGB_MIN_ROUGHNESS) return 0.0f;
+    return roughness < 1.0f ? roughness * roughness : 1.0f;
+}
+
+/* factor times the part of v in the surface, plus `up` times its normal, brought to unit length; false: it has none. */
+static bool dgbi_stretch(const float v[3], const float n[3], float factor, float up, float out[3]) {
+    const float along = dgbi_dot(v, n);
+    float length;
+    int i;
+    for (i = 0; i < 3; ++i) out[i] = factor * (v[i] - along * n[i]) + up * n[i];
+    length = sqrtf(dgbi_dot(out, out));
+    if (!dgbi_is_finite(length) || !(length > 0.0f)) return false;
+    for (i = 0; i < 3; ++i) out[i] /= length;
+    return true;
+}
+
+/* Two unit vectors at right angles to n and to each other (Duff et al. 2017). */
+static void dgbi_frame_of(const float n[3], float s[3], float t[3]) {
+    const float side = n[2] < 0.0f ? -1.0f : 1.0f, a = -1.0f / (side + n[2]), b = n[0] * n[1] * a;
+    s[0] = 1.0f + side * n[0] * n[0] * a;
+    s[1] = side * b;
+    s[2] = -side * n[0];
+    t[0] = b;
+    t[1] = side + n[1] * n[1] * a;
+    t[2] = -n[1];
+}
+
+DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, const float u[2], float h[3]) {
+    static const float z[3] = {0.0f, 0.0f, 1.0f};
+    const bool mirror = dgbi_is_nan(alpha) || !(alpha > 0.0f);
+    float stretched[3], s[3], t[3], m[3], height, radius;
+    bool valid;
+    const double turn = 2.0 * DGBI_PI * (double)u[0];
+    const float c = dgbi_is_finite(u[0]) ? (float)cos(turn) : 0.0f, d = dgbi_is_finite(u[0]) ? (float)sin(turn) : 0.0f;
+    int i;
+    valid = dgbi_stretch(v, n, alpha, dgbi_max0(dgbi_dot(v, n)), stretched);
+    /* the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole down to its horizon */
+    height = 1.0f - u[1] * (1.0f + dgbi_dot(stretched, n));
+    radius = sqrtf(dgbi_max0(1.0f - height * height));
+    dgbi_frame_of(n, s, t);
+    for (i = 0; i < 3; ++i) m[i] = stretched[i] + radius * (c * s[i] + d * t[i]) + height * n[i]; /* halfway */
+    valid = dgbi_stretch(m, n, alpha, dgbi_dot(m, n), h) && valid;
+    if (!mirror && (!valid || !(dgbi_dot(v, h) >= 0.0f))) memcpy(h, v, 3 * sizeof *h);
+    if (mirror) memcpy(h, n, 3 * sizeof *h);
+    if (!dgbi_all_finite(h, 3)) memcpy(h, z, sizeof z);
+}
+
+DGB_API float dgb_ggx_density(const float v[3], const float n[3], const float l[3], float alpha) {
+    const float h[3] = {v[0] + l[0], v[1] + l[1], v[2] + l[2]}, h2 = dgbi_dot(h, h), up = dgbi_dot(h, n);
+    const float off[3] = {n[1] * h[2] - n[2] * h[1], n[2] * h[0] - n[0] * h[2], n[0] * h[1] - n[1] * h[0]};
+    const float a2 = alpha * alpha, k = a2 * up * up + dgbi_dot(off, off), along = dgbi_max0(dgbi_dot(v, n));
+    const float masking = 2.0f * (along + sqrtf(a2 + (1.0f - a2) * along * along)); /* 4 n.v / G1 */
+    const float below = (float)DGBI_PI * k * k * masking;
+    const bool valid = dgbi_is_finite(alpha) && dgbi_is_finite(below) && alpha > 0.0f && up > 0.0f && below > 0.0f;
+    const float density = valid ? a2 * h2 * h2 / below : 0.0f;
+    return dgbi_is_finite(density) ? density : 0.0f;
+}
+
 /* >> parameters: presets, checks */
 
 DGB_API dgb_params dgb_preset(dgb_preset_id id) {
@@ -1350,6 +1481,8 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.reflect_steps = 256;
     p.reflect_stride = 2;
     p.reflect_border = 32.0f;
+    p.glossy_taps = 8;
+    p.glossy_radius = 16.0f;
     p.adaptive = true;
     p.filter_taps = table[row].filter_taps;
     p.filter_step = 1;
@@ -1383,6 +1516,8 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_in_range(p->reflect_steps, 1, 4096) || !dgbi_in_range(p->reflect_stride, 1, 64) ||
         !dgbi_at_least(p->reflect_border, 0.0f))
         return DGB_LOG_REFLECT_PARAMS;
+    if (!dgbi_in_range(p->glossy_taps, 0, DGB_MAX_GLOSSY_TAPS) || !dgbi_at_least(p->glossy_radius, 0.0f))
+        return DGB_LOG_GLOSSY_PARAMS;
     if (!dgbi_in_range(p->ao_min_level, 0, DGB_MAX_LEVELS - 1) || !dgbi_in_range(p->min_level, 0, DGB_MAX_LEVELS - 1))
         return DGB_LOG_MIP_PARAMS;
     if (!dgbi_in_range(p->filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1) || p->filter_taps % 2 == 0 ||
@@ -1414,8 +1549,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict",  "pack",        "mip",   "tiles",
-                                        "ao",     "gather",  "temporal", "reconstruct", "range", "reflect"};
+    static const char* const names[] = {"layers", "resolve",  "predict",     "pack",  "mip",     "tiles", "ao",
+                                        "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1423,9 +1558,10 @@ DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
 static const struct {
     const char* name;
     int bytes;
-} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},      {"RG8", 2},  {"RGBA8", 4}, {"R11G11B10F", 4},
-                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"RGBA32F", 16},
-                                    {"R32UI", 4}, {"D16", 2},     {"D24", 4},  {"D32F", 4}};
+} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},       {"R8", 1},       {"RG8", 2},     {"RGBA8", 4},
+                                    {"R11G11B10F", 4}, {"RG16F", 4},    {"RGBA16F", 8}, {"R32F", 4},
+                                    {"RG32F", 8},      {"RGBA32F", 16}, {"R32UI", 4},   {"RG32UI", 8},
+                                    {"RGBA32UI", 16},  {"D16", 2},      {"D24", 4},     {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
@@ -1456,17 +1592,20 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
     uint32_t targets = 0;
     if (effects) targets |= DGB_TARGET_NORMAL;
     if (effects & (DGB_EFFECT_RADIOSITY | DGB_EFFECT_REFLECT)) targets |= DGB_TARGET_RADIANCE;
-    if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_ALBEDO | DGB_TARGET_VELOCITY;
+    if ((effects & DGB_EFFECT_RADIOSITY) && (effects & (DGB_EFFECT_BOUNCES | DGB_EFFECT_REFLECT)))
+        targets |= DGB_TARGET_ALBEDO;
+    if (effects & DGB_EFFECT_BOUNCES) targets |= DGB_TARGET_VELOCITY;
     if (effects & DGB_EFFECT_TEMPORAL) targets |= DGB_TARGET_VELOCITY;
     return targets;
 }
 
 static bool dgbi_effects_ok(uint32_t effects) {
-    const uint32_t all =
-        DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT;
+    const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL |
+                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
     if (effects & ~all) return false;
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
-    return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY));
+    if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
+    return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_GLOSSY));
 }
 
 static bool dgbi_divisor_ok(const dgb_desc* d) {
@@ -1660,10 +1799,11 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
 /* What the shading wants, besides what every desc has. */
 typedef struct dgbi_wants {
     int layers; /* shaded */
-    bool ao, light, bounces, temporal, reflect;
+    bool ao, light, bounces, temporal, reflect, glossy;
     bool spiral;   /* something takes spiral taps: occlusion or light */
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
+    bool indirect; /* reflections add what this frame's irradiance makes of the surface that is hit */
 } dgbi_wants;
 
 static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
@@ -1674,9 +1814,11 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
     w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
     w.reflect = (d->effects & DGB_EFFECT_REFLECT) != 0;
+    w.glossy = (d->effects & DGB_EFFECT_GLOSSY) != 0;
     w.spiral = w.ao || w.light;
     w.radiance = w.light || w.reflect;
-    w.deep = w.bounces && w.layers > 1;
+    w.indirect = w.reflect && w.light && !w.bounces; /* bounces are part of the packed radiance already */
+    w.deep = (w.bounces || w.indirect) && w.layers > 1;
     return w;
 }
 
@@ -1721,9 +1863,10 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->radiance);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
-    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_define(plan, "DGB_DEEP", w->bounces && w->deep);
     dgbi_add_texture(plan, DGB_Z, z, 0, w->spiral ? plan->levels : 1);
-    if (w->bounces || w->temporal) dgbi_add_texture(plan, DGB_LAST_Z, z, 0, plan->levels); /* takes turns with z */
+    if (w->bounces || w->temporal)
+        dgbi_add_texture(plan, DGB_LAST_Z, z, 0, w->spiral ? plan->levels : 1); /* takes turns with z */
     dgbi_add_texture(plan, DGB_NORMALS, w->layers > 1 ? DGB_FORMAT_RGBA8 : DGB_FORMAT_RG8, 0,
                      w->light ? plan->levels : 1);
     if (w->radiance) dgbi_add_texture(plan, DGB_B0, DGB_FORMAT_R11G11B10F, 0, w->light ? plan->levels : 1);
@@ -1834,38 +1977,47 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
 }
 
-typedef struct dgbi_filtered { /* one result: what the shader calls it, and where it lies */
-    dgb_slot name, before, half, after;
+/* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
+typedef struct dgbi_filtered {
+    bool wanted;
+    dgb_slot name, before, after;
     dgb_format format;
 } dgbi_filtered;
 
-/* Along x it reads what the passes before have left, along y what it has written itself. */
-static void dgbi_plan_axis(const dgbi_filtered* f, int axis, dgb_plan* plan, dgb_plan_pass* pass) {
-    dgbi_add_texture(plan, axis ? f->after : f->half, f->format, 0, 1);
-    dgbi_add_input_as(pass, f->name, axis ? f->half : f->before);
-    dgbi_add_output(pass, axis ? f->after : f->half);
-}
-
-static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const dgbi_filtered ao = {DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO_HALF, DGB_AO, DGB_FORMAT_R8};
-    const dgbi_filtered light = {DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW,
-                                 DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_FORMAT_RGBA16F};
-    const dgbi_filtered deep = {DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW,
-                                DGB_IRRADIANCE1_HALF, DGB_IRRADIANCE1, DGB_FORMAT_RGBA16F};
+/* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
+static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
+    const dgbi_filtered results[3] = {
+        {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
+        {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
+         DGB_FORMAT_RGBA16F},
+        {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
+         DGB_FORMAT_RGBA16F}};
+    const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
-    int axis;
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
+    int i;
+    dgbi_add_define(plan, "DGB_AXIS", axis);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
-    for (axis = 0; axis < 2; ++axis) {
-        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
-        dgbi_add_input(pass, DGB_Z);
-        dgbi_add_input(pass, DGB_NORMALS);
-        if (w->ao) dgbi_plan_axis(&ao, axis, plan, pass);
-        if (w->light) dgbi_plan_axis(&light, axis, plan, pass);
-        if (w->deep) dgbi_plan_axis(&deep, axis, plan, pass);
+    if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
+    for (i = 0; i < (w->deep ? 2 : 1); ++i) {
+        if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
+        if (axis == 0) dgbi_add_output(pass, halves[i]);
+        if (axis == 1) dgbi_add_input(pass, halves[i]);
     }
+    for (i = 0; i < 3; ++i) {
+        if (!results[i].wanted) continue;
+        if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
+        if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
+        if (axis == 1) dgbi_add_output(pass, results[i].after);
+    }
+}
+
+static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    int axis;
+    for (axis = 0; axis < 2; ++axis) dgbi_plan_axis(d, w, axis, plan);
 }
 
 /* The finest level from z, each of the others from the one before. */
@@ -1884,21 +2036,63 @@ static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     }
 }
 
+/* Of the layer that mirrors, the first. */
+static void dgbi_add_roughness(const dgb_desc* d, dgb_plan_pass* pass) {
+    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_NORMAL : DGB_ENGINE_ROUGHNESS);
+}
+
 static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
+    const dgb_slot reflection = w->glossy ? DGB_REFLECTION_RAW : DGB_REFLECTION;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_REFLECT, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
+    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_HIERARCHICAL", d->tracer == DGB_TRACER_HIERARCHICAL);
-    dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
-    dgbi_add_texture(plan, DGB_REFLECTION_HIT, DGB_FORMAT_RG16F, 0, 1);
+    dgbi_add_define(plan, "DGB_INDIRECT", w->indirect);
+    dgbi_add_define(plan, "DGB_GLOSSY", w->glossy);
+    dgbi_add_texture(plan, reflection, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_texture(plan, DGB_REFLECTION_HIT, w->glossy ? DGB_FORMAT_RGBA16F : DGB_FORMAT_RG16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_B0);
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
     if (d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_add_input(pass, DGB_RANGES);
-    dgbi_add_output(pass, DGB_REFLECTION);
+    if (w->indirect) {
+        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
+        dgbi_add_input(pass, DGB_IRRADIANCE);
+        if (w->deep) dgbi_add_input(pass, DGB_IRRADIANCE1);
+    }
+    if (w->glossy) dgbi_add_roughness(d, pass);
+    dgbi_add_output(pass, reflection);
     dgbi_add_output(pass, DGB_REFLECTION_HIT);
+}
+
+/* The average over frames is the result, and takes turns with last frame's. */
+static void dgbi_plan_glossy(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    const int program = dgbi_add_program(plan, DGB_PASS_GLOSSY);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_GLOSSY, 0, program);
+    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_LAST_LIGHT", 0);
+    dgbi_add_define(plan, "DGB_DEEP", 0); /* what mirrors has been in view */
+    dgbi_add_define(plan, "DGB_HISTORY", w->temporal);
+    dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_input(pass, DGB_Z);
+    dgbi_add_input(pass, DGB_NORMALS);
+    dgbi_add_roughness(d, pass);
+    dgbi_add_input(pass, DGB_REFLECTION_RAW);
+    dgbi_add_input(pass, DGB_REFLECTION_HIT);
+    dgbi_add_output(pass, DGB_REFLECTION);
+    if (!w->temporal) return;
+    dgbi_add_texture(plan, DGB_LAST_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
+    dgbi_add_texture(plan, DGB_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
+    dgbi_add_texture(plan, DGB_LAST_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
+    dgbi_add_input(pass, DGB_LAST_Z);
+    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_VELOCITY : DGB_ENGINE_VELOCITY0);
+    dgbi_add_input(pass, DGB_LAST_REFLECTION);
+    dgbi_add_input(pass, DGB_LAST_REFLECTION_FRAMES);
+    dgbi_add_output(pass, DGB_REFLECTION_FRAMES);
 }
 
 static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
@@ -1918,10 +2112,11 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     if (wants.spiral && wants.layers > 1) dgbi_plan_tiles(plan);
     if (wants.ao) dgbi_plan_ao(d, &wants, plan);
     if (wants.light) dgbi_plan_gather(d, &wants, plan);
-    if (wants.temporal) dgbi_plan_temporal(d, &wants, plan);
+    if (wants.temporal && wants.spiral) dgbi_plan_temporal(d, &wants, plan);
     if (wants.spiral) dgbi_plan_reconstruct(d, &wants, plan);
     if (wants.reflect && d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_plan_range(&wants, plan);
     if (wants.reflect) dgbi_plan_reflect(d, &wants, plan);
+    if (wants.glossy) dgbi_plan_glossy(d, &wants, plan);
 }
 
 DGB_API dgb_result dgb_make_plan(const dgb_desc* desc, dgb_plan* plan) {
@@ -1963,7 +2158,7 @@ static void dgbi_end(const dgb_backend* b) {
 static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
     int slot;
     for (slot = 0; slot < DGB_SLOT_COUNT; ++slot) {
-        const bool borrowed = slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_VELOCITY1;
+        const bool borrowed = slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_ROUGHNESS;
         if (textures[slot].id && !borrowed) b->texture_destroy(b->user, textures[slot]);
         textures[slot].id = 0;
     }
@@ -2425,6 +2620,7 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
     textures[DGB_ENGINE_ALBEDO1] = layers->albedo[1];
     textures[DGB_ENGINE_VELOCITY0] = layers->velocity[0];
     textures[DGB_ENGINE_VELOCITY1] = layers->velocity[1];
+    textures[DGB_ENGINE_ROUGHNESS] = layers->roughness;
     for (i = 0; i < plan->pass_count; ++i)
         for (j = 0; j < plan->passes[i].input_count; ++j)
             if (!textures[plan->passes[i].inputs[j].texture].id) return false;
@@ -2510,6 +2706,13 @@ static bool dgbi_same_result(const dgb_params* a, const dgb_params* b) {
            a->second_alone == b->second_alone;
 }
 
+/* The same of reflections. */
+static bool dgbi_same_reflection(const dgb_params* a, const dgb_params* b) {
+    const float x[] = {a->separation, a->reflect_distance, a->reflect_thickness},
+                y[] = {b->separation, b->reflect_distance, b->reflect_thickness};
+    return dgbi_same_bits(x, y, 3) && a->strict_separation == b->strict_separation;
+}
+
 static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pack_uniforms* u) {
     int column, row;
     memset(u, 0, sizeof *u);
@@ -2530,7 +2733,7 @@ static void dgbi_pack_uniforms(const dgb_context* c, const dgb_params* q, dgb_pa
     dgbi_fill_reprojection(c, q, c->has_history, &u->past);
 }
 
-static void dgbi_fill_taps(int count, float taps[DGB_MAX_TAPS][4]) {
+static void dgbi_fill_taps(int count, float taps[][4]) {
     int i;
     for (i = 0; i < count; ++i) dgb_spiral_tap(i, count, taps[i]);
 }
@@ -2632,9 +2835,8 @@ static int dgbi_log2_ceil(int x) {
 static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb_reflect_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
-    u->size[0] = c->plan.width;
-    u->size[1] = c->plan.height;
-    u->size[2] = q->reflect_steps;
+    dgbi_fill_size(c, q, q->reflect_steps, u->size);
+    dgbi_fill_rect(c, q, u->rect);
     u->ray[0] = q->reflect_distance;
     u->ray[1] = q->reflect_thickness;
     u->ray[2] = (float)q->reflect_stride;
@@ -2643,6 +2845,37 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
     u->skip[1] = dgbi_log2_ceil(q->reflect_stride);
     u->skip[0] =
         dgbi_log2_ceil(DGB_CELL_SIZE) + dgbi_range_levels(&c->plan) - 1 - u->skip[1]; /* of the coarsest cell */
+}
+
+/* Nothing reads reflections in the guard band. x, y, width, height. */
+static void dgbi_image_rect(const dgb_context* c, int rect[4]) {
+    rect[0] = rect[1] = c->desc.guard_band;
+    rect[2] = c->desc.width;
+    rect[3] = c->desc.height;
+}
+
+static void dgbi_glossy_uniforms(const dgb_context* c, const dgb_params* q, dgb_glossy_uniforms* u) {
+    const bool usable = c->has_history && dgbi_same_reflection(q, &c->shaded_params);
+    int32_t size[4];
+    int rect[4];
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    dgbi_image_rect(c, rect);
+    u->rect[0] = rect[0];
+    u->rect[1] = rect[1];
+    u->rect[2] = rect[0] + rect[2] - 1;
+    u->rect[3] = rect[1] + rect[3] - 1;
+    dgbi_fill_size(c, q, q->glossy_taps, size);
+    u->size[0] = q->glossy_taps;
+    u->size[1] = size[3];
+    u->reach[0] = q->glossy_radius;
+    u->reach[1] = q->reflect_distance;
+    u->reach[2] = q->history_weight;
+    u->sharpness[0] = q->normal_sharpness;
+    u->sharpness[1] = q->plane_sharpness;
+    dgbi_fill_reprojection(c, q, usable, &u->past);
+    memcpy(u->past.rect, u->rect, sizeof u->rect);
+    dgbi_fill_taps(q->glossy_taps, u->taps);
 }
 
 static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass, const dgb_params* q) {
@@ -2654,6 +2887,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
         dgb_reflect_uniforms reflect;
+        dgb_glossy_uniforms glossy;
     } u;
     size_t size = 0;
     switch (pass->id) {
@@ -2669,6 +2903,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct;
         break;
     case DGB_PASS_REFLECT: dgbi_reflect_uniforms(c, q, &u.reflect), size = sizeof u.reflect; break;
+    case DGB_PASS_GLOSSY: dgbi_glossy_uniforms(c, q, &u.glossy), size = sizeof u.glossy; break;
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:
@@ -2689,10 +2924,8 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
         rect[0] = rect[1] = 0;
         dgbi_texture_size(&c->plan, pass->outputs[0], rect + 2);
         if (pass->id == DGB_PASS_RANGE) rect[2] >>= pass->level, rect[3] >>= pass->level;
-    } else if (pass->id == DGB_PASS_REFLECT) { /* nothing reads it in the guard band */
-        rect[0] = rect[1] = c->desc.guard_band;
-        rect[2] = c->desc.width;
-        rect[3] = c->desc.height;
+    } else if (pass->id == DGB_PASS_REFLECT || pass->id == DGB_PASS_GLOSSY) {
+        dgbi_image_rect(c, rect);
     } else {
         dgbi_shaded_rect(c, q, rect);
     }
@@ -2729,7 +2962,9 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z}, /* present and past */
                                         {DGB_FRAMES, DGB_LAST_FRAMES},
                                         {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
-                                        {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1}};
+                                        {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1},
+                                        {DGB_REFLECTION, DGB_LAST_REFLECTION},
+                                        {DGB_REFLECTION_FRAMES, DGB_LAST_REFLECTION_FRAMES}};
     dgb_log_item item = DGB_LOG_NONE;
     int i;
     if (!dgbi_is_live(context)) return DGB_INVALID;

@@ -44,6 +44,7 @@ inline const DumpKind kDumpKinds[] = {
     {"history0", 1, DGB_EFFECT_RADIOSITY},
     {"history1", 2, DGB_EFFECT_RADIOSITY},
     {"reflection", 1, DGB_EFFECT_REFLECT},
+    {"reflection_raw", 1, DGB_EFFECT_GLOSSY},
     {"reflect_confidence", 1, DGB_EFFECT_REFLECT},
     {"reflect_layer", 1, DGB_EFFECT_REFLECT},
     {"reflect_length", 1, DGB_EFFECT_REFLECT},
@@ -80,7 +81,8 @@ struct Options {
     std::vector<PunctualLight> points; // what is added to the lights of the file
     glm::vec3 sky{0.15f, 0.2f, 0.25f};
     ProbeKind probe = ProbeKind::constant;
-    float exposure = 0.0f; // powers of two
+    std::optional<float> roughness; // of every surface; none: as the materials say
+    float exposure = 0.0f;          // powers of two
     int frames = 8;
     std::optional<int> bounces;        // none: one more each frame
     std::vector<int> compared_bounces; // empty: no such picture
@@ -217,13 +219,14 @@ inline void parse_effects(const std::string& text, Options* options) {
     options->effects = 0;
     if (text == "none") { return; }
     for (const std::string& word : split(text, ',')) {
-        require(word == "ao" || word == "gi" || word == "reflect", "--effects",
-                "must be none or a comma list of ao, gi and reflect");
-        options->effects |= word == "ao"   ? DGB_EFFECT_AO
-                            : word == "gi" ? DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES
-                                           : DGB_EFFECT_REFLECT;
+        require(word == "ao" || word == "gi" || word == "reflect" || word == "glossy", "--effects",
+                "must be none or a comma list of ao, gi, reflect and glossy");
+        options->effects |= word == "ao"        ? DGB_EFFECT_AO
+                            : word == "gi"      ? DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES
+                            : word == "reflect" ? DGB_EFFECT_REFLECT
+                                                : DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
     }
-    const bool averaged = (options->effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) != 0;
+    const bool averaged = (options->effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_GLOSSY)) != 0;
     options->effects |= averaged ? DGB_EFFECT_TEMPORAL : 0;
 }
 
@@ -330,7 +333,9 @@ inline void apply(const Overrides& overrides, Options* options) {
 }
 
 inline void add_outputs(CLI::App* app, Options* o) {
-    app->add_option("SCENE", o->scene, "glTF 2.0 file, .gltf or .glb; without it, a procedural atrium");
+    app->add_option(
+        "SCENE", o->scene,
+        "glTF 2.0 file, .gltf or .glb; or one of the procedural scenes: atrium (the default), gallery (mirrors)");
     app->add_option(
         "--out", o->out,
         "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
@@ -391,7 +396,7 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
 inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
-        "none, or a comma list of ao, gi and reflect (default ao,gi)");
+        "none, or a comma list of ao, gi, reflect (mirrors) and glossy (reflections by roughness) (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -425,6 +430,8 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         app, "--tracer", {{"linear", DGB_TRACER_LINEAR}, {"hierarchical", DGB_TRACER_HIERARCHICAL}},
         [=](dgb_tracer tracer) { o->tracer = tracer; },
         "how mirrored rays are marched: linear (default), hierarchical; the picture is the same");
+    app->add_option("--roughness", o->roughness, "of every surface, 0 to 1 (default: as the materials say)")
+        ->check(between(0, 1, "0 to 1"));
     app->add_option("--alpha", overrides->alpha, "weight of the frames before, 0 to 0.999 (default 0.85)")
         ->check(between(0, 0.999, "0 to 0.999"));
 }
@@ -489,6 +496,7 @@ inline void check_together(const Options& options) {
                 dump.name + " needs --effects " +
                     (kind.effects == DGB_EFFECT_AO          ? "ao"
                      : kind.effects == DGB_EFFECT_RADIOSITY ? "gi"
+                     : kind.effects == DGB_EFFECT_GLOSSY    ? "glossy"
                                                             : "reflect"));
     }
 }

@@ -80,6 +80,7 @@ inline Floats dump_pixels(const SceneRenderer& r, const std::string& name) {
     if (name == "history0") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 2); }
     if (name == "history1") { return one_of_four(r.read_texture(DGB_FRAMES, 0, GL_RGBA), 3); }
     if (name == "reflection") { return r.read_texture(DGB_REFLECTION, 0, GL_RGB); }
+    if (name == "reflection_raw") { return r.read_texture(DGB_REFLECTION_RAW, 0, GL_RGB); }
     if (name == "reflect_confidence") { return one_of_four(r.read_texture(DGB_REFLECTION, 0, GL_RGBA), 3); }
     if (name == "reflect_layer") { return one_of_four(r.read_texture(DGB_REFLECTION_HIT, 0, GL_RGBA), 0); }
     if (name == "reflect_length") { return one_of_four(r.read_texture(DGB_REFLECTION_HIT, 0, GL_RGBA), 1); }

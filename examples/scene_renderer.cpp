@@ -60,6 +60,8 @@ in vec4 v_tangent;
 in vec2 v_uv;
 in vec4 v_color;
 
+uniform float u_roughness; // of everything; negative: as the materials say
+
 vec3 mapped_normal() {
     vec3 n = normalize(v_normal);
     vec3 t = v_tangent.xyz - n * dot(n, v_tangent.xyz);
@@ -73,6 +75,7 @@ vec3 mapped_normal() {
 void main() {
     vec4 base = base_color(v_uv, v_color);
     vec2 metallic_roughness = u_factors[2].xy * texture(u_metallic_roughness, v_uv).bg;
+    if (u_roughness >= 0.0) metallic_roughness.y = u_roughness;
     vec3 emission = u_factors[1].rgb * texture(u_emissive, v_uv).rgb;
     vec3 normal = mapped_normal();
     // not before: a texture read behind a discard has no defined level of detail
@@ -137,8 +140,10 @@ uniform sampler2DArray u_normal;
 uniform sampler2D u_direct;
 uniform sampler2D u_ao;
 uniform sampler2D u_irradiance;
+uniform sampler2D u_reflection;
 uniform int u_has_ao;
 uniform int u_has_irradiance;
+uniform int u_has_reflection; // of rough surfaces
 uniform float u_confidence; // negative: that of the irradiance
 uniform int u_guard;        // pixels
 uniform float u_empty_depth;
@@ -170,19 +175,39 @@ vec3 probe_radiance(vec3 n) {
     return max(sum, 0.0); // a cut series undershoots
 }
 
+// What a surface makes of a lobe's average radiance (split sum): the fit of Karis (2014), with the reflectance of metals, whose
+// base color no layer keeps, that of a bright grey one.
+float environment_brdf(float roughness, float metallic, float cosine) {
+    float smoothness = 1.0 - roughness;
+    float grazing = smoothness * min(smoothness * smoothness, exp2(-9.28 * cosine)) + 0.0425 - 0.0275 * roughness;
+    vec2 scale_bias = vec2(1.04 - 0.572 * roughness, 0.022 * roughness - 0.04) + vec2(-1.04, 1.04) * grazing;
+    return mix(0.04, 0.9, metallic) * scale_bias.x + scale_bias.y;
+}
+
+// material: roughness, metallic. Where no ray of the lobe hit anything, the sky, blurred to its irradiance.
+vec3 mirrored(vec3 normal, vec3 view, vec2 material, float visibility, vec4 reflection) {
+    vec3 l = reflect(view, normal);
+    vec3 environment = visibility * mix(sky_radiance(l), probe_radiance(l), material.x);
+    float cosine = clamp(-dot(view, normal), 0.0, 1.0);
+    return environment_brdf(material.x, material.y, cosine) * dgb_mirror(environment, reflection);
+}
+
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy) + u_guard;
     bool empty = texelFetch(u_depth, ivec3(p, 0), 0).r == u_empty_depth;
     vec4 albedo = texelFetch(u_albedo, ivec3(p, 0), 0); // a: 0 unlit, 1 lit
     float visibility = u_has_ao != 0 ? texelFetch(u_ao, p, 0).r : 1.0;
     vec4 irradiance = u_has_irradiance != 0 ? texelFetch(u_irradiance, p, 0) : vec4(0.0); // a: confidence
-    vec3 normal = transpose(mat3(u_view)) * decode_normal(texelFetch(u_normal, ivec3(p, 0), 0).rg);
+    vec4 surface = texelFetch(u_normal, ivec3(p, 0), 0);
+    vec3 normal = transpose(mat3(u_view)) * decode_normal(surface.rg);
     float confidence = u_confidence < 0.0 ? irradiance.a : u_confidence;
     vec3 ambient = dgb_fallback(PI * probe_radiance(normal), visibility, vec4(irradiance.rgb, confidence));
 
-    vec3 sky = sky_radiance(ray_direction(gl_FragCoord.xy + float(u_guard)));
+    vec3 view = ray_direction(gl_FragCoord.xy + float(u_guard)), sky = sky_radiance(view);
     vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
     vec3 indirect = empty ? vec3(0.0) : albedo.rgb * albedo.a / PI * ambient;
+    if (u_has_reflection != 0 && !empty)
+        indirect += albedo.a * mirrored(normal, view, surface.ba, visibility, texelFetch(u_reflection, p, 0));
     out_final = vec4(direct + indirect, 1.0);
     out_direct = vec4(direct, 1.0);
     out_indirect = vec4(indirect, 1.0);
@@ -416,6 +441,7 @@ void SceneRenderer::draw_layers(const dgb_draw& draw) {
     const mat4 view = to_mat4(draw.view);
     glUseProgram(program);
     set_uniform(program, "u_view", view);
+    set_uniform(program, "u_roughness", desc_.roughness.value_or(-1.0f));
     set_uniform(program, "u_clip", to_mat4(draw.projection) * view);
     set_uniform(program, "u_previous_clip", to_mat4(draw.previous_projection) * to_mat4(draw.previous_view));
     const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances, GpuScene::Sides::as_material);
@@ -495,6 +521,8 @@ void SceneRenderer::composite(std::optional<float> confidence) {
     bind_if_there("u_ao", 3, DGB_AO);
     bind_if_there("u_irradiance", 4, DGB_IRRADIANCE);
     bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
+    bind_if_there("u_reflection", 6, DGB_REFLECTION);
+    set_uniform(program, "u_has_reflection", int(has(DGB_REFLECTION_RAW)));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_confidence", confidence.value_or(-1.0f));

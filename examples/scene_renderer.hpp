@@ -48,6 +48,7 @@ struct RendererDesc { // what the pointers point to must outlive the renderer
     const SceneLights* lights = nullptr; // null: none
     Sky sky;                             // what is seen where there is no surface,
     Probe probe{};                       // and what a surface gets from where none is known
+    std::optional<float> roughness;      // of every surface; none: as the materials say
     PassTimes* times = nullptr;
 };
 

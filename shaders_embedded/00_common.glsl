@@ -7,6 +7,7 @@ const float DGB_MAX_RADIANCE = 64512.0;
 const float DGB_MAX_DISTANCE = 1e15;
 const float DGB_EMPTY_Z      = -1e15; // packed z of no surface: so far away that it reaches nothing
 const float DGB_MIN_COSINE   = 0.017;
+const float DGB_MIN_ROUGHNESS = 1.0 / 512.0;
 const int   DGB_LOG2_TILE    = 4; // tiles are 16 x 16 pixels
 
 struct dgb_camera {
@@ -19,19 +20,27 @@ struct dgb_camera {
 // Oct16: two bytes as the unorm8 channels of a texture hold them.
 vec2 dgb_sign(vec2 v) { return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0); }
 
-vec2 dgb_oct16_encode(vec3 n) {
+// A direction on the unfolded octahedron, -1..1, and back.
+vec2 dgb_octahedral(vec3 n) {
     float s     = abs(n.x) + abs(n.y) + abs(n.z);
     bool  valid = s > 1e-30 && s < 1e30;
     vec2  p     = valid ? n.xy / s : vec2(0.0);
-    if (valid && n.z < 0.0) p = (1.0 - abs(p.yx)) * dgb_sign(p);
-    return (floor(p * 127.0 + 0.5) + 127.0) / 255.0;
+    return valid && n.z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p;
 }
 
-vec3 dgb_oct16_decode(vec2 bytes) {
-    vec2  p = min(bytes * (255.0 / 127.0) - 1.0, 1.0);
+// The direction that they mean, of any length: enough where only a sign is asked for.
+vec3 dgb_unfolded(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
-    return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));
+    return vec3(p - max(-z, 0.0) * dgb_sign(p), z); // what lies below the equator is folded back
 }
+
+vec3 dgb_from_octahedral(vec2 p) { return normalize(dgb_unfolded(p)); }
+
+vec2 dgb_oct16_encode(vec3 n) { return (floor(dgb_octahedral(n) * 127.0 + 0.5) + 127.0) / 255.0; }
+
+vec3 dgb_oct16_direction(vec2 bytes) { return dgb_unfolded(min(bytes * (255.0 / 127.0) - 1.0, 1.0)); }
+
+vec3 dgb_oct16_decode(vec2 bytes) { return normalize(dgb_oct16_direction(bytes)); }
 
 float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE) : 0.0; }
 
@@ -53,6 +62,16 @@ int dgb_pixel_hash(ivec2 pixel, int frame) {
     h      = (h ^ (h >> 16)) * 0x7feb352du;
     h      = (h ^ (h >> 15)) * 0x846ca68bu;
     return int(((h >> 24) + uint(frame) * 159u) & 255u);
+}
+
+vec2 dgb_pixel_pair(ivec2 pixel, int frame) {
+    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;
+    h      = (h ^ (h >> 16)) * 0x7feb352du;
+    h      = (h ^ (h >> 15)) * 0x846ca68bu;
+    uint g = (h ^ (h >> 16)) * 0x2c1b3c6du;
+    g      = (g ^ (g >> 15)) * 0x297a2d39u;
+    uvec2 turns = uvec2(h, g) + uint(frame) * uvec2(3242174889u, 2447445414u);
+    return (vec2(turns >> 9u) + 0.5) / 8388608.0;
 }
 
 int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
@@ -87,6 +106,9 @@ vec2 dgb_project(vec3 point, dgb_camera camera) {
     vec4 a = camera.position_z, b = camera.position_1;
     return (point.xy - a.zw * point.z - b.zw) / (a.xy * point.z + b.xy);
 }
+
+// Unit vector from the eye to a point.
+vec3 dgb_view(vec3 point, dgb_camera camera) { return camera.footprint.y != 0.0 ? normalize(point) : vec3(0.0, 0.0, -1.0); }
 
 #ifdef DGB_DIVISOR
 // Where in the image the texel of a layer lies that a pixel shows: deeper layers may have a lower resolution.
@@ -152,4 +174,29 @@ float dgb_bilateral_weight(vec3 n, vec3 n2, vec3 dq, float normal_sharpness, flo
     float off    = max(abs(dot(dq, n)), abs(dot(dq, n2)));
     float plane  = d2 > 0.0 ? max(1.0 - plane_sharpness * off * inversesqrt(d2), 0.0) : 1.0;
     return normal * plane * plane;
+}
+
+float dgb_ggx_alpha(float roughness) { return roughness >= DGB_MIN_ROUGHNESS ? (roughness < 1.0 ? roughness * roughness : 1.0) : 0.0; }
+
+vec3 dgb_ggx_normal(vec3 v, vec3 n, float alpha, vec2 u) {
+    float along     = dot(v, n);
+    vec3  stretched = normalize(alpha * (v - along * n) + max(along, 0.0) * n);
+    // the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole down to its horizon
+    float height = 1.0 - u.y * (1.0 + dot(stretched, n)), radius = sqrt(max(1.0 - height * height, 0.0)), turn = 2.0 * DGB_PI * u.x;
+    float side   = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (side + n.z), b = n.x * n.y * a;
+    vec3  s      = vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x), t = vec3(b, side + n.y * n.y * a, -n.y);
+    vec3  m      = stretched + radius * (cos(turn) * s + sin(turn) * t) + height * n; // halfway
+    float up     = dot(m, n);
+    vec3  h      = normalize(alpha * (m - up * n) + up * n);
+    return alpha > 0.0 ? (dot(v, h) >= 0.0 ? h : v) : n;
+}
+
+float dgb_ggx_density(vec3 v, vec3 n, vec3 l, float alpha) {
+    vec3  h       = v + l, off = cross(n, h);
+    float h2      = dot(h, h), up = dot(h, n), a2 = alpha * alpha, k = a2 * up * up + dot(off, off);
+    float along   = max(dot(v, n), 0.0);
+    float masking = 2.0 * (along + sqrt(a2 + (1.0 - a2) * along * along)); // 4 n.v / G1
+    float density = a2 * h2 * h2 / (DGB_PI * k * k * masking);
+    if (!(alpha > 0.0)) return 0.0; // a test of its own: of two, compilers make one of the lesser, and NaN is not less
+    return up > 0.0 ? density : 0.0;
 }

@@ -89,8 +89,8 @@ bool dgb_keep() {
 
 float dgb_storable_velocity(float v) { return abs(v) <= DGB_MAX_RADIANCE ? v : 0.0; }
 
-// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1. normal: camera space, any length. radiance: outgoing,
-// W/(m2 sr): emission, and direct light if the material shader computes it.
+// albedo.rgb: linear; albedo.a and material: the engine's own, 0..1, but with glossy reflections material.x is the roughness.
+// normal: camera space, any length. radiance: outgoing, W/(m2 sr): emission, and direct light if the material shader computes it.
 void dgb_store(vec4 albedo, vec3 normal, vec2 material, vec3 radiance) {
 #ifdef DGB_ALBEDO_LOCATION
     dgb_out_albedo = albedo;

@@ -1,4 +1,9 @@
-// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack and temporal.
+// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack,
+// temporal and glossy.
+
+const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history
+const float DGB_MOST_FRAMES      = 64.0; // counted
+const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger
 
 struct dgb_reprojection {
     dgb_camera last;

@@ -1,10 +1,11 @@
-// Mirror reflections: the reflected ray marched through the image, perspective-correct, against both layers. A hit is a ray that
+// Reflections: the reflected ray marched through the image, perspective-correct, against both layers. A hit is a ray that
 // comes to lie behind a surface by no more than its thickness; everything else is a miss, which the engine fills from its
 // environment map.
 
 layout(std140) uniform dgb_reflect_block {
     dgb_camera dgb_reflect_camera;
-    ivec4      dgb_reflect_size; // buffer width, height, most steps
+    ivec4      dgb_reflect_size; // buffer width, height, most steps, frame
+    ivec4      dgb_reflect_rect; // where there is irradiance: x0, y0, x1, y1 inclusive
     vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)
     vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)
     ivec4      dgb_reflect_skip; // log2 of the most steps skipped at once, of the least power of two >= pixels a step
@@ -19,9 +20,15 @@ uniform sampler2D dgb_b1;
 #if DGB_HIERARCHICAL
 uniform sampler2D dgb_ranges;
 #endif
+#if DGB_INDIRECT
+uniform sampler2D dgb_irradiance;
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_irradiance1;
+#endif
+#endif
 
 layout(location = 0) out vec4 dgb_out_reflection; // radiance, confidence
-layout(location = 1) out vec4 dgb_out_hit;        // layer + 1, 0 for none; length of the ray (m)
+layout(location = 1) out vec4 dgb_out_hit;        // layer + 1, 0 for none; length of the ray (m); glossy: its direction
 
 // A ray in the image: pixel, z / w and 1 / w are linear along it.
 struct dgb_ray {
@@ -226,15 +233,41 @@ float dgb_trust(dgb_hit hit, dgb_ray ray, vec3 hit_normal) {
     return border * inside * facing;
 }
 
+#if DGB_INDIRECT
+// Irradiance of a layer as far as it is known: by its confidence, and none where nothing was shaded.
+vec3 dgb_known(ivec2 texel, bool second) {
+    vec4 e = texelFetch(dgb_irradiance, texel, 0);
+#if DGB_LAYERS > 1
+    if (second) e = texelFetch(dgb_irradiance1, texel, 0);
+#endif
+    bool shaded = all(greaterThanEqual(texel, dgb_reflect_rect.xy)) && all(lessThanEqual(texel, dgb_reflect_rect.zw));
+    return shaded ? e.rgb * e.a : vec3(0.0);
+}
+
+// What a Lambert surface makes of the light that this frame has gathered: albedo/pi * E.
+vec3 dgb_indirect(ivec2 texel, bool second) {
+    vec3 albedo = dgb_albedo_at(0, texel);
+#if DGB_LAYERS > 1
+    if (second) albedo = dgb_albedo_at(1, texel);
+#endif
+    return dgb_storable(albedo) / DGB_PI * dgb_known(texel, second);
+}
+#endif
+
 void main() {
     ivec2 pixel  = ivec2(gl_FragCoord.xy);
     float z      = texelFetch(dgb_z, pixel, 0).x;
     vec3  x      = dgb_position(gl_FragCoord.xy, z, dgb_reflect_camera);
     vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);
-    bool  perspective = dgb_reflect_camera.footprint.y != 0.0;
-    vec3  view   = perspective ? normalize(x) : vec3(0.0, 0.0, -1.0);
-    float jitter = (float(dgb_pixel_hash(pixel, 0)) + 0.5) / 256.0; // nothing averages the frames: always the same
-    dgb_ray ray  = dgb_ray_of(x, n, reflect(view, n));
+    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;
+    int   frame  = 0; // nothing averages the frames of a mirror: always the same
+#if DGB_GLOSSY
+    float alpha = dgb_ggx_alpha(dgb_roughness_at(pixel));
+    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;
+    facet       = dgb_ggx_normal(-view, n, alpha, dgb_pixel_pair(pixel, frame));
+#endif
+    float jitter = (float(dgb_pixel_hash(pixel, frame)) + 0.5) / 256.0;
+    dgb_ray ray  = dgb_ray_of(x, n, reflect(view, facet));
     dgb_hit hit  = dgb_march(ray, jitter);
 
     vec4 normals = texelFetch(dgb_normals, hit.texel, 0);
@@ -245,11 +278,17 @@ void main() {
     second = hit.layer == 1;
     light  = second ? texelFetch(dgb_b1, hit.texel, 0).rgb : light;
 #endif
+#if DGB_INDIRECT
+    light += dgb_indirect(hit.texel, second);
+#endif
     float trust    = hit.layer < 0 ? 0.0 : dgb_trust(hit, ray, dgb_oct16_decode(second ? normals.zw : normals.xy));
     vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);
     dgb_out_reflection = trust > 0.0 ? vec4(dgb_storable(light), trust) : vec4(0.0);
     dgb_out_hit        = trust > 0.0 ? vec4(hit.layer + 1, min(length(there - x), DGB_MAX_RADIANCE), 0.0, 0.0) : vec4(0.0);
 #ifdef DGB_COUNT_LOOKUPS
     dgb_out_hit.y = float(dgb_lookups);
+#endif
+#if DGB_GLOSSY
+    dgb_out_hit.zw = dgb_octahedral(ray.direction);
 #endif
 }

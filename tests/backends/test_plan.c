@@ -12,8 +12,9 @@
 #include <limits.h>
 #include <string.h>
 
-#define ALL_EFFECTS \
-    (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
+#define ALL_EFFECTS                                                                                         \
+    (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | \
+     DGB_EFFECT_GLOSSY)
 
 static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
 
@@ -83,11 +84,14 @@ static void print_plan(record_text* text, const dgb_plan* plan) {
 
 /* >> golden plans */
 
-/* Many bounces are more of the first; the temporal filter needs something to filter. */
+/* Many bounces are more of the first, glossy reflections are reflections; the temporal filter needs something to filter. */
+enum { GLOSSY = DGB_EFFECT_GLOSSY | DGB_EFFECT_REFLECT };
+
 static bool makes_sense(uint32_t effects) {
     const bool ao = (effects & DGB_EFFECT_AO) != 0, light = (effects & DGB_EFFECT_RADIOSITY) != 0;
+    const bool glossy = (effects & DGB_EFFECT_GLOSSY) != 0;
     return effects <= ALL_EFFECTS && (light || !(effects & DGB_EFFECT_BOUNCES)) &&
-           (ao || light || !(effects & DGB_EFFECT_TEMPORAL));
+           (!glossy || (effects & DGB_EFFECT_REFLECT)) && (ao || light || glossy || !(effects & DGB_EFFECT_TEMPORAL));
 }
 
 /* How the layers are emitted is no matter of textures and passes, so one section holds for all that are
@@ -178,10 +182,15 @@ static void test_golden_plans(void** state) {
     for (layers = 1; layers <= 2; ++layers) { /* reflections add a pass, and radiance where nothing else packs it */
         print_built_section(&text, layers, DGB_EFFECT_REFLECT, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_AO, DGB_ORACLE_PEEL);
+        print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_RADIOSITY, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
         print_hierarchical_section(&text, layers);
+        print_built_section(&text, layers, GLOSSY, DGB_ORACLE_PEEL);
+        print_built_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_ORACLE_PEEL);
+        print_engine_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
     }
+    print_engine_section(&text, 2, DGB_EFFECT_REFLECT | DGB_EFFECT_RADIOSITY, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 1, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, ALL_EFFECTS, DGB_NORMALS_FROM_DEPTH);
     print_engine_section(&text, 2, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
@@ -289,32 +298,57 @@ static void check_texture(const dgb_plan* plan, dgb_slot slot, bool wanted, dgb_
 static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
     const bool bounces = (desc->effects & DGB_EFFECT_BOUNCES) != 0,
                temporal = (desc->effects & DGB_EFFECT_TEMPORAL) != 0;
-    const bool light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0, deep = bounces && plan->layers > 1;
+    const bool light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0, reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0;
+    const bool deep =
+        (bounces || (light && reflect)) && plan->layers > 1; /* what is mirrored shows its bounced light */
+    const bool spiral = light || (desc->effects & DGB_EFFECT_AO);
     const dgb_format z = plan->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
     check_texture(plan, DGB_LAST_Z, bounces || temporal, z);
     if (bounces || temporal) /* they change places: one must be as the other */
         assert_int_equal(find_texture(plan, DGB_LAST_Z)->levels, find_texture(plan, DGB_Z)->levels);
-    check_texture(plan, DGB_FRAMES, temporal, DGB_FORMAT_RGBA16F);
-    check_texture(plan, DGB_LAST_FRAMES, temporal, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_FRAMES, temporal && spiral, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_LAST_FRAMES, temporal && spiral, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_IRRADIANCE_MEAN, temporal && light, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_LAST_IRRADIANCE, temporal && light, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_IRRADIANCE1_MEAN, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_LAST_IRRADIANCE1, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_IRRADIANCE1_RAW, deep, DGB_FORMAT_RGBA16F);
-    check_texture(plan, DGB_IRRADIANCE1_HALF, deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_HALF1, deep, DGB_FORMAT_RGBA32UI);
     check_texture(plan, DGB_IRRADIANCE1, deep, DGB_FORMAT_RGBA16F);
-    check_stage(plan, DGB_PASS_TEMPORAL, temporal);
+    check_stage(plan, DGB_PASS_TEMPORAL, temporal && spiral);
+}
+
+/* One ray a pixel, what neighbours make of it, and what that was last frame. */
+static void check_glossy(const dgb_desc* desc, const dgb_plan* plan) {
+    const bool glossy = (desc->effects & DGB_EFFECT_GLOSSY) != 0, reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0;
+    const bool averaged = glossy && (desc->effects & DGB_EFFECT_TEMPORAL);
+    int i, k;
+    check_texture(plan, DGB_REFLECTION_RAW, glossy, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_REFLECTION_HIT, reflect, glossy ? DGB_FORMAT_RGBA16F : DGB_FORMAT_RG16F);
+    check_texture(plan, DGB_LAST_REFLECTION, averaged, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_REFLECTION_FRAMES, averaged, DGB_FORMAT_R8);
+    check_texture(plan, DGB_LAST_REFLECTION_FRAMES, averaged, DGB_FORMAT_R8);
+    check_stage(plan, DGB_PASS_GLOSSY, glossy);
+    for (i = 0; i < plan->program_count; ++i) /* no mirror is traced by a program that knows of roughness */
+        for (k = 0; k < plan->programs[i].define_count; ++k)
+            if (strcmp(plan->programs[i].defines[k].name, "DGB_GLOSSY") == 0)
+                assert_int_equal(plan->programs[i].defines[k].value, glossy);
+    for (i = 0; i < plan->pass_count && !glossy; ++i) /* nor does it read any */
+        for (k = 0; k < plan->passes[i].input_count && plan->passes[i].id == DGB_PASS_REFLECT; ++k)
+            assert_true(plan->passes[i].inputs[k].name != DGB_NORMAL &&
+                        plan->passes[i].inputs[k].name != DGB_ENGINE_ROUGHNESS);
 }
 
 static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
-    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
-    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
+    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO};
+    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE};
     static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS};
     const bool ao = desc->effects & DGB_EFFECT_AO, light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0;
     const bool reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0, spiral = ao || light;
     size_t i;
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    check_texture(plan, DGB_HALF, spiral, light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI); /* no light: half as wide */
     for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, desc->effects != 0);
     assert_int_equal(find_texture(plan, DGB_ROTATIONS) != NULL, spiral);
     assert_int_equal(find_texture(plan, DGB_B0) != NULL, light || reflect);
@@ -323,7 +357,6 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     if (desc->effects) assert_int_equal(find_texture(plan, DGB_Z)->levels, spiral ? plan->levels : 1);
     if (reflect && !light) assert_int_equal(find_texture(plan, DGB_B0)->levels, 1);
     check_texture(plan, DGB_REFLECTION, reflect, DGB_FORMAT_RGBA16F);
-    check_texture(plan, DGB_REFLECTION_HIT, reflect, DGB_FORMAT_RG16F);
     check_stage(plan, DGB_PASS_AO, ao);
     check_stage(plan, DGB_PASS_GATHER, light);
     check_stage(plan, DGB_PASS_PACK, desc->effects != 0);
@@ -333,17 +366,20 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     check_stage(plan, DGB_PASS_RANGE, reflect && desc->tracer == DGB_TRACER_HIERARCHICAL);
     check_stage(plan, DGB_PASS_REFLECT, reflect);
     check_history(desc, plan);
+    check_glossy(desc, plan);
     assert_int_equal(has_pass(plan, DGB_PASS_LAYERS), desc->source == DGB_SOURCE_BUILD);
     assert_false(has_program(plan, DGB_PASS_LAYERS)); /* the engine's programs draw it */
 }
 
-static bool is_engine_slot(dgb_slot slot) { return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_VELOCITY1; }
+static bool is_engine_slot(dgb_slot slot) { return slot >= DGB_ENGINE_DEPTH0 && slot <= DGB_ENGINE_ROUGHNESS; }
 
 /* Textures of last frame, and those of this frame that change places with them. */
 static const dgb_slot turns[][2] = {{DGB_LAST_Z, DGB_Z},
                                     {DGB_LAST_FRAMES, DGB_FRAMES},
                                     {DGB_LAST_IRRADIANCE, DGB_IRRADIANCE_MEAN},
-                                    {DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1_MEAN}};
+                                    {DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1_MEAN},
+                                    {DGB_LAST_REFLECTION, DGB_REFLECTION},
+                                    {DGB_LAST_REFLECTION_FRAMES, DGB_REFLECTION_FRAMES}};
 
 /* Packing looks at last frame's final light, where it still is. */
 static bool is_of_last_frame(const dgb_plan_pass* pass, const dgb_plan_input* input) {
@@ -357,7 +393,8 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
     bool written[DGB_SLOT_COUNT] = {false};
     int i, k;
     (void)desc;
-    for (i = 0; i < 4; ++i) written[turns[i][0]] = find_texture(plan, turns[i][1]) != NULL;
+    for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
+        written[turns[i][0]] = find_texture(plan, turns[i][1]) != NULL;
     /* depth and oracle hold the frame before; the key is written by the layers pass, in images */
     written[DGB_ROTATIONS] = written[DGB_ORACLE] = written[DGB_DEPTH] = written[DGB_KEY] = true;
     for (i = 0; i < plan->pass_count; ++i) {
@@ -517,10 +554,10 @@ static void test_bytes_of_the_largest(void** state) {
     for (level = 0; level < 6; ++level) chain += pixels >> (2 * level);
     assert_true(bytes_of(&plan, DGB_ALBEDO) == pixels * 32);
     assert_true(bytes_of(&plan, DGB_ORACLE) == pixels * 32);
-    /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
+    /* six layered targets; z, normals and two radiances with levels; two R8, two RGBA16F, one RGBA32UI; 256
        rotations; two depth ranges and a class of each tile, a range of each region */
     assert_true(plan.bytes ==
-                6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048 + 20 * tiles + 16 * regions);
+                6 * 32 * pixels + 20 * chain + 2 * pixels + (16 + 16) * pixels + 2048 + 20 * tiles + 16 * regions);
 }
 
 /* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */
@@ -552,7 +589,7 @@ static void test_bytes_of_history(void** state) {
     static const struct {
         uint32_t effects;
         uint64_t images; /* of 8 bytes a pixel, besides last frame's z */
-    } rows[] = {{3 | 4, 3}, {3 | 8, 4}, {3 | 4 | 8, 3 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 3}};
+    } rows[] = {{3 | 4, 4}, {3 | 8, 4}, {3 | 4 | 8, 4 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 4}};
     size_t i;
     (void)state;
     for (i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -706,7 +743,7 @@ static void test_divisor(void** state) {
         dgb_pass_id pass;
         int places;
     } users[] = {
-        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 1}};
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 2}};
     int divisor, i, k;
     size_t user;
     (void)state;
@@ -823,7 +860,12 @@ static const struct {
      {SIZE, .effects = DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL},
      DGB_INVALID,
      DGB_LOG_EFFECTS},
-    {"effect 32", {SIZE, .effects = 32 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"effect 64", {SIZE, .effects = 64 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"glossy alone", {SIZE, .effects = DGB_EFFECT_GLOSSY | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"glossy over time, no velocity",
+     {SIZE, .effects = GLOSSY | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
     {"bounces, no albedo",
      {SIZE, .effects = 2 | DGB_EFFECT_BOUNCES, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
      DGB_INVALID,
@@ -846,6 +888,10 @@ static const struct {
      DGB_LOG_EFFECTS},
     {"reflections, no radiance",
      {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL},
+     DGB_INVALID,
+     DGB_LOG_TARGETS},
+    {"reflections of bounced light, no albedo",
+     {SIZE, .effects = 2 | DGB_EFFECT_REFLECT, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
      DGB_INVALID,
      DGB_LOG_TARGETS},
     {"effect 2^31", {SIZE, .effects = 0x80000001u}, DGB_INVALID, DGB_LOG_EFFECTS},
@@ -1031,6 +1077,9 @@ static void test_limits_are_inclusive(void** state) {
         {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_VELOCITY},
         {SIZE, .effects = 2 | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
         {SIZE, .effects = DGB_EFFECT_REFLECT, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+        {SIZE, .effects = 2 | DGB_EFFECT_REFLECT, .targets = DGB_TARGET_ALL & ~DGB_TARGET_VELOCITY},
+        {SIZE, .effects = GLOSSY, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
+        {SIZE, .effects = GLOSSY | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_ALL & ~DGB_TARGET_ALBEDO},
         {SIZE, .effects = ALL_EFFECTS, .targets = DGB_TARGET_ALL},
         {SIZE, .effects = ALL_EFFECTS, .layers = 8},
         {SIZE, .oracle = DGB_ORACLE_PEEL, .emission = DGB_EMISSION_SEPARATE},
@@ -1086,6 +1135,8 @@ static void test_names(void** state) {
     assert_string_equal(dgb_slot_name(DGB_IRRADIANCE), "irradiance");
     assert_string_equal(dgb_slot_name(DGB_SLOT_COUNT), "?");
     assert_string_equal(dgb_pass_name(DGB_PASS_GATHER), "gather");
+    assert_string_equal(dgb_pass_name(DGB_PASS_REFLECT), "reflect");
+    assert_string_equal(dgb_pass_name(DGB_PASS_GLOSSY), "glossy");
     assert_string_equal(dgb_pass_name(DGB_PASS_COUNT), "?");
     assert_string_equal(dgb_format_name(DGB_FORMAT_RG32F), "RG32F");
     assert_string_equal(dgb_format_name(DGB_FORMAT_D32F), "D32F");
@@ -1098,6 +1149,8 @@ static void test_names(void** state) {
     assert_string_equal(dgb_pass_name(DGB_PASS_PREDICT), "predict");
     assert_string_equal(dgb_pass_name(DGB_PASS_RECONSTRUCT), "reconstruct");
     assert_string_equal(dgb_format_name(DGB_FORMAT_R32UI), "R32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RG32UI), "RG32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RGBA32UI), "RGBA32UI");
     assert_string_equal(dgb_slot_name(DGB_PREDICTED), "predicted");
     assert_string_equal(dgb_slot_name(DGB_KEY), "key");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_INSTANCED_GEOMETRY), "instanced-geometry");

@@ -15,11 +15,12 @@
 
 #define BOTH (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)
 
-#define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT)
+#define ALL_EFFECTS (BOTH | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY)
 
 static bool makes_sense(uint32_t effects) {
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
-    return (effects & BOTH) || !(effects & DGB_EFFECT_TEMPORAL);
+    if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
+    return (effects & (BOTH | DGB_EFFECT_GLOSSY)) || !(effects & DGB_EFFECT_TEMPORAL);
 }
 
 /* To the last bit: what == says of floats and padding is not the question. */
@@ -135,6 +136,7 @@ static dgb_layers engine_layers(fixture* f) {
         layers.velocity[i] =
             record_engine_texture(&f->r, i ? DGB_ENGINE_VELOCITY1 : DGB_ENGINE_VELOCITY0, width, height);
     }
+    layers.roughness = record_engine_texture(&f->r, DGB_ENGINE_ROUGHNESS, width, height);
     return layers;
 }
 
@@ -335,8 +337,9 @@ static void test_golden_traces(void** state) {
     print_three_builds(&text, constructions[8], 3, 4);  /* predict, separate */
     print_shading(&text, 1, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES);
-    print_history(&text, 2, ALL_EFFECTS & ~DGB_EFFECT_REFLECT);
+    print_history(&text, 2, ALL_EFFECTS & ~(DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY));
     print_shading(&text, 1, DGB_EFFECT_REFLECT);
+    print_history(&text, 1, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, ALL_EFFECTS);
     print_hierarchical_shading(&text);
     record_check_golden("trace.golden", &text);
@@ -2007,6 +2010,8 @@ static void set_reflect_thickness(dgb_params* p, float x) { p->reflect_thickness
 static void set_reflect_steps(dgb_params* p, float x) { p->reflect_steps = (int)x; }
 static void set_reflect_stride(dgb_params* p, float x) { p->reflect_stride = (int)x; }
 static void set_reflect_border(dgb_params* p, float x) { p->reflect_border = x; }
+static void set_glossy_taps(dgb_params* p, float x) { p->glossy_taps = (int)x; }
+static void set_glossy_radius(dgb_params* p, float x) { p->glossy_radius = x; }
 
 static const struct {
     const char* name;
@@ -2081,6 +2086,8 @@ static const struct {
      true,
      {0, 32, 1e6f, 0.5f},
      {-0.001f, -1, -1e30f, -1}},
+    {"glossy_taps", set_glossy_taps, DGB_LOG_GLOSSY_PARAMS, false, {0, 32, 8, 1}, {-1, 33, -100, 1e6f}},
+    {"glossy_radius", set_glossy_radius, DGB_LOG_GLOSSY_PARAMS, true, {0, 16, 1e6f, 0.5f}, {-0.001f, -1, -1e30f, -1}},
 };
 
 static void check_shade_refused(fixture* f, dgb_log_item item, const char* why) {
@@ -2275,18 +2282,19 @@ static void check_input(fixture* f, const dgb_layers* layers, bool good, const c
     check_nothing_changed(f, &before);
 }
 
-/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9), one at a time is missing. */
+/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9) and roughness (10), one at a time is missing. */
 static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
     dgb_layers all;
     fixture f;
     unsigned missing;
     start_engine(&f, layers, effects, normals);
     all = engine_layers(&f);
-    for (missing = 0; missing < 10; ++missing) {
+    for (missing = 0; missing < 11; ++missing) {
         dgb_layers given = all;
         dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
         char what[64];
-        kinds[missing % 5][missing / 5].id = 0;
+        if (missing < 10) kinds[missing % 5][missing / 5].id = 0;
+        if (missing == 10) given.roughness.id = 0;
         snprintf(what, sizeof what, "effects %s, %d layers, without input %u", record_effect_names(effects), layers,
                  missing);
         check_input(&f, &given, !(needed >> missing & 1u), what);
@@ -2295,7 +2303,7 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
 }
 
 static void test_inputs_that_are_needed(void** state) {
-    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32 };
+    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32, ROUGHNESS = 1024 };
     const uint32_t ao = DGB_EFFECT_AO, light = DGB_EFFECT_RADIOSITY, bounces = DGB_EFFECT_BOUNCES,
                    temporal = DGB_EFFECT_TEMPORAL;
     (void)state;
@@ -2312,7 +2320,13 @@ static void test_inputs_that_are_needed(void** state) {
     check_inputs(2, BOTH | temporal, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND) | VELOCITY);
     check_inputs(1, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH, Z | B);
     check_inputs(2, DGB_EFFECT_REFLECT | ao, DGB_NORMALS_FLOAT, (Z | N | B) * (1 + SECOND));
-    check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 1023);
+    check_inputs(1, DGB_EFFECT_REFLECT | light, DGB_NORMALS_FROM_DEPTH, Z | B | ALBEDO);
+    check_inputs(2, DGB_EFFECT_REFLECT | light, DGB_NORMALS_FROM_DEPTH, (Z | B | ALBEDO) * (1 + SECOND));
+    check_inputs(1, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY, DGB_NORMALS_FROM_DEPTH, Z | B | ROUGHNESS);
+    check_inputs(2, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | temporal, DGB_NORMALS_FROM_DEPTH,
+                 (Z | B) * (1 + SECOND) | VELOCITY | ROUGHNESS);
+    check_inputs(2, ALL_EFFECTS & ~DGB_EFFECT_GLOSSY, DGB_NORMALS_FLOAT, 1023);
+    check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 2047);
 }
 
 /* Layers of the engine's own are never built afresh: a cut and a resize drop the history all the same. */

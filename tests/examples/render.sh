@@ -26,7 +26,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
          camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps
-         reflect-steps reflect-distance reflect-thickness tracer'
+         reflect-steps reflect-distance reflect-thickness tracer roughness'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -114,6 +114,7 @@ refused_values --reflect-steps     0 -1 4097 1.5 many ''
 refused_values --reflect-distance  0 -1 nan inf far ''
 refused_values --reflect-thickness 0 -1 nan inf thick ''
 refused_values --tracer      fast 1 ''
+refused_values --roughness   -0.1 1.1 nan inf rough ''
 refused_values --frames      0 -1 1.5 few
 refused_values --orbit       nan 361 left
 refused_values --time        -1 nan inf soon ''
@@ -135,6 +136,7 @@ check "refused: layer 1 of one layer" refuses --layers 1
 refused --effects ao --dump irradiance0=e.pfm
 refused --effects gi --dump ao=ao.pfm
 refused --dump reflection=r.pfm
+refused --effects reflect --dump reflection_raw=r.pfm
 refused --ortho 5 --clip reversed-infinite
 refused --dump z0=missing/z0.pfm
 refused --json missing/report.json
@@ -427,6 +429,8 @@ mirror_image() { # OPTION...: a file of what every mirror shows
 }
 same_mirror_image() { [ "$(mirror_image --tracer linear)" = "$(mirror_image --tracer hierarchical)" ]; }
 check "--tracer hierarchical, the same mirror image" same_mirror_image
+check "--effects glossy, another picture"      another --effects ao,gi,glossy
+check "--roughness without glossy, the same picture" same --roughness 0.1
 hits() { # OPTION...: pixels whose mirrored ray meets something
     "$render" --size 160x90 --guard 16 --frames 1 --effects reflect --dump reflect_layer=reflect_hits.pfm "$@" >/dev/null &&
         pixels reflect_hits | awk '$1 > 0 { ++n } END { print n + 0 }'

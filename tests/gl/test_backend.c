@@ -588,7 +588,7 @@ static void test_timers(void** state) {
     double ms = -1.0;
     int frame, pass;
     (void)state;
-    d.effects |= DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT;
+    d.effects |= DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
     d.tracer = DGB_TRACER_HIERARCHICAL;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     program = fixture_program(&c);

@@ -15,7 +15,7 @@ enum { WIDTH = 160, HEIGHT = 100, GUARD = 8 };
 
 typedef struct shot { /* what shading read and made */
     int width, height;
-    float *z, *irradiance;
+    float *z, *irradiance, *reflection;
     unsigned char *normals, *ao;
 } shot;
 
@@ -75,6 +75,8 @@ static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers, uin
     s.ao = (unsigned char*)calloc(pixels, 4);
     read_texture(&c, DGB_Z, GL_RGBA, GL_FLOAT, s.z);
     read_texture(&c, DGB_IRRADIANCE, GL_RGBA, GL_FLOAT, s.irradiance);
+    s.reflection = (float*)calloc(pixels * 4, sizeof(float));
+    if (effects & DGB_EFFECT_REFLECT) read_texture(&c, DGB_REFLECTION, GL_RGBA, GL_FLOAT, s.reflection);
     read_texture(&c, DGB_NORMALS, GL_RGBA, GL_UNSIGNED_BYTE, s.normals);
     if (effects & DGB_EFFECT_AO) read_texture(&c, DGB_AO, GL_RGBA, GL_UNSIGNED_BYTE, s.ao);
     assert_int_equal(f.messages, 0);
@@ -88,6 +90,7 @@ static shot take_shot(bool es, dgb_oracle oracle, bool reversed, int layers, uin
 static void free_shot(shot* s) {
     free(s->z);
     free(s->irradiance);
+    free(s->reflection);
     free(s->normals);
     free(s->ao);
 }
@@ -101,6 +104,7 @@ static void check_effects_agree(dgb_oracle oracle, bool reversed, int layers, ui
     assert_true(layers == 1 || deep > pixels / 10);
     assert_memory_equal(desktop.z, es.z, pixels * 4 * sizeof(float));
     assert_memory_equal(desktop.normals, es.normals, pixels * 4);
+    assert_memory_equal(desktop.reflection, es.reflection, pixels * 4 * sizeof(float));
     assert_memory_equal(desktop.ao, es.ao, pixels * 4);
     assert_memory_equal(desktop.irradiance, es.irradiance, pixels * 4 * sizeof(float));
     free_shot(&desktop);
@@ -119,6 +123,13 @@ static void test_history(void** state) {
     check_effects_agree(DGB_ORACLE_PEEL, false, 1, all);
     check_effects_agree(DGB_ORACLE_PEEL, true, 2, light | DGB_EFFECT_AO);
     check_effects_agree(DGB_ORACLE_PEEL, false, 2, light | DGB_EFFECT_TEMPORAL);
+}
+
+static void test_reflections(void** state) {
+    const uint32_t light = DGB_EFFECT_RADIOSITY, glossy = DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
+    (void)state;
+    check_effects_agree(DGB_ORACLE_PEEL, false, 2, light | DGB_EFFECT_REFLECT);
+    check_effects_agree(DGB_ORACLE_PEEL, true, 2, light | glossy | DGB_EFFECT_TEMPORAL);
 }
 
 static void test_peel(void** state) {
@@ -166,6 +177,7 @@ int main(void) {
         cmocka_unit_test(test_peel),
         cmocka_unit_test(test_other_oracles),
         cmocka_unit_test(test_history),
+        cmocka_unit_test(test_reflections),
         cmocka_unit_test(test_single_pass_is_refused),
     };
     setenv("MESA_GLES_VERSION_OVERRIDE", "3.0",

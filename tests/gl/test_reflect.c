@@ -737,6 +737,77 @@ static void test_bounced_light(void** state) {
     close_stage(&s);
 }
 
+/* Of a result, RGBA, what a texel of one of the layers adds to a mirror: albedo/pi * confidence * E. */
+static double indirect(const float* irradiance, const float albedo[3], int k) {
+    const double pi = 3.14159265358979323846;
+    return (double)albedo[k] / pi * (double)irradiance[k] * (double)irradiance[3];
+}
+
+/* Floor, wall, sheet, and the wall again behind the sheet. Radiance says which texel a mirror shows, so the reflection without
+   light tells where it looks, and what the light adds is known from that texel's irradiance. */
+static void check_indirect(int layers, int guard, float guard_fraction) {
+    static const float albedo[2][3] = {{0.9f, 0.5f, 0.0f}, {0.25f, 1.0f, 0.75f}};
+    const plane sheet = plane_of(-4.0, 90.0, 0.0);
+    plane planes[2];
+    setup p = plain, lit = plain;
+    stage a, b;
+    result ra, rb;
+    float* light[2] = {NULL, NULL};
+    int at, i, l, k, seen[2] = {0, 0}, dark = 0;
+    p.layers = lit.layers = layers;
+    p.guard = lit.guard = guard, p.width = lit.width = plain.width - 2 * guard;
+    p.height = lit.height = plain.height - 2 * guard;
+    lit.effects |= DGB_EFFECT_RADIOSITY;
+    a = open_stage(&p), b = open_stage(&lit);
+    b.params.guard_fraction = 1.0f;
+    b.params.radius = 20.0f;
+    floor_and_wall(planes);
+    put_sheet(&a, planes, &sheet, &planes[1]), put_sheet(&b, planes, &sheet, &planes[1]);
+    for (l = 0; l < 2; ++l)
+        for (i = 0; i < 3 * b.m.width * b.m.height; ++i) b.m.texels[IMAGE_ALBEDO][l][i] = albedo[l][i % 3];
+    rb = shade(&b);
+    drop(&rb); /* leaves light all over the guard band */
+    b.params.guard_fraction = guard_fraction;
+    ra = shade(&a), rb = shade(&b);
+    for (l = 0; l < layers; ++l)
+        light[l] = fixture_read(dgb_get_texture(&b.c, l ? DGB_IRRADIANCE1 : DGB_IRRADIANCE), 0, 0, b.m.width,
+                                b.m.height, 0, GL_RGBA, 4);
+    for (at = 0; at < b.m.width * b.m.height; ++at) {
+        const float *before = ra.reflection + 4 * at, *after = rb.reflection + 4 * at;
+        const int inset = guard - (int)((float)guard * guard_fraction + 0.5f);
+        int x, y;
+        bool shaded;
+        if (at % b.m.width < guard || at % b.m.width >= b.m.width - guard || at / b.m.width < guard ||
+            at / b.m.width >= b.m.height - guard)
+            continue; /* nothing is written there */
+        assert_memory_equal(ra.hit + 4 * at, rb.hit + 4 * at, 4 * sizeof(float));
+        assert_true(before[3] == after[3]);
+        if (is_miss(&ra, at)) continue;
+        x = (int)before[0] - 1, y = (int)before[1] - 1, l = (int)before[2] - 1;
+        shaded = x >= inset && x < b.m.width - inset && y >= inset && y < b.m.height - inset;
+        ++seen[l];
+        for (k = 0; k < 3; ++k) {
+            const double e = shaded ? indirect(light[l] + 4 * (y * b.m.width + x), albedo[l], k) : 0.0;
+            dark += e == 0.0 && k < 2; /* the first layer's blue is black */
+            /* a half in the reflection, which a device may truncate */
+            assert_true(fabs((double)after[k] - (double)before[k] - e) <= ((double)before[k] + e) / 1024.0);
+        }
+    }
+    printf("# %d layers: %d and %d mirrored, dark %d\n", layers, seen[0], seen[1], dark);
+    assert_true(seen[0] > 100 && (layers > 1 ? seen[1] > 30 : seen[1] == 0));
+    assert_true(guard_fraction < 1.0f ? dark > 5 : dark < seen[0] / 20);
+    free(light[0]), free(light[1]);
+    drop(&ra), drop(&rb);
+    close_stage(&a), close_stage(&b);
+}
+
+static void test_indirect_light(void** state) {
+    (void)state;
+    check_indirect(1, 0, 1.0f);
+    check_indirect(2, 0, 1.0f);
+    check_indirect(2, 8, 0.0f); /* what the guard band shows there has no irradiance */
+}
+
 /* >> what an engine may hand over */
 
 static void check_no_hits(const setup* p, const plane* planes, int count, float normal_sign, float depth_factor) {
@@ -902,6 +973,7 @@ int main(void) {
         cmocka_unit_test(test_confidence),
         cmocka_unit_test(test_with_other_effects),
         cmocka_unit_test(test_bounced_light),
+        cmocka_unit_test(test_indirect_light),
         cmocka_unit_test(test_no_mirror),
         cmocka_unit_test(test_nan_normals),
         cmocka_unit_test(test_any_input),

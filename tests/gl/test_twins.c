@@ -416,6 +416,23 @@ static void test_pixel_hash(void** state) {
     check_equal("pixel hash", mismatches, 0);
 }
 
+static void test_pixel_pair(void** state) {
+    int i, mismatches = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) {
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16385u));
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16385u));
+        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits() % 16777216u) - 8388608);
+    }
+    evaluate("bits(vec3(dgb_pixel_pair(ivec2(given(0).xy), int(given(0).z)), 0.0))", 1);
+    for (i = 0; i < CASES; ++i) {
+        float u[2];
+        dgb_pixel_pair((int)in[i][0][0], (int)in[i][0][1], (int)in[i][0][2], u);
+        mismatches += out[i][0] != bits_of(u[0]) || out[i][1] != bits_of(u[1]);
+    }
+    check_equal("pixel pair", mismatches, 0);
+}
+
 static void test_mip_level(void** state) {
     int i, mismatches = 0;
     (void)state;
@@ -703,6 +720,68 @@ static void test_bilateral_weight(void** state) {
     check(&t, 3e-6);
 }
 
+/* >> the lobe */
+
+static void test_ggx_alpha(void** state) {
+    int i, mismatches = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) in[i][0][0] = is_hostile(i) ? random_pattern() : random_in(-0.1f, 1.1f);
+    evaluate("bits(dgb_ggx_alpha(given(0).x))", 1);
+    for (i = 0; i < CASES; ++i) mismatches += device_float(i, 0) != dgb_ggx_alpha(in[i][0][0]);
+    check_equal("ggx alpha", mismatches, 0);
+}
+
+/* v, n, alpha and u; one alpha in nine is 0. Nothing grazes so much that the root of what is left decides. */
+static void give_lobe(int i) {
+    float d;
+    int k;
+    do {
+        random_normal(in[i][0]), random_normal(in[i][1]);
+        for (d = 0.0f, k = 0; k < 3; ++k) d += in[i][0][k] * in[i][1][k];
+    } while (d < 0.02f);
+    in[i][2][0] = i % 9 ? dgb_ggx_alpha(random_in(0.0f, 1.0f)) : 0.0f;
+    in[i][2][1] = random_in(0.001f, 0.999f);
+    in[i][2][2] = random_in(0.001f, 0.999f);
+}
+
+static void test_ggx_normal(void** state) {
+    tally t = tally_of("ggx normal");
+    int i, k, mirrors = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) give_lobe(i);
+    evaluate("bits(dgb_ggx_normal(given(0).xyz, given(1).xyz, given(2).x, given(2).yz))", 3);
+    for (i = 0; i < CASES; ++i) {
+        float h[3];
+        dgb_ggx_normal(in[i][0], in[i][1], in[i][2][0], in[i][2] + 1, h);
+        for (k = 0; k < 3; ++k) compare(&t, device_float(i, k), h[k], 1.0);
+        for (k = 0; k < 3; ++k) mirrors += in[i][2][0] == 0.0f && device_float(i, k) != in[i][1][k];
+    }
+    check_equal("ggx normal, mirrors", mirrors, 0);
+    check(&t,
+          5e-5); /* near the rim of the cap the root of 1 - z^2 amplifies the last bits by 20, and halfway by 20 more */
+}
+
+static void test_ggx_density(void** state) {
+    tally t = tally_of("ggx density");
+    int i, k;
+    (void)state;
+    for (i = 0; i < CASES; ++i) {
+        float h[3], d = 0.0f;
+        give_lobe(i);
+        dgb_ggx_normal(in[i][0], in[i][1], in[i][2][0], in[i][2] + 1, h);
+        for (k = 0; k < 3; ++k) d += in[i][0][k] * h[k];
+        for (k = 0; k < 3; ++k) in[i][3][k] = 2.0f * d * h[k] - in[i][0][k]; /* l: where the lobe is */
+        if (i % 5 == 0) random_normal(in[i][3]);
+    }
+    evaluate("bits(dgb_ggx_density(given(0).xyz, given(1).xyz, given(3).xyz, given(2).x))", 4);
+    for (i = 0; i < CASES; ++i) {
+        const float alpha = in[i][2][0], host = dgb_ggx_density(in[i][0], in[i][1], in[i][3], alpha);
+        /* the last bits of h against the width of the lobe, as tests/unit/test_ggx.c has it */
+        compare(&t, device_float(i, 0), host, (double)host * (1.0 + 0.2 / ((double)alpha + 1e-6)));
+    }
+    check(&t, 1e-5);
+}
+
 /* >> taps */
 
 typedef struct tap_place {
@@ -792,6 +871,8 @@ int main(void) {
         cmocka_unit_test(test_oct16_encode),       cmocka_unit_test(test_oct16_decode),
         cmocka_unit_test(test_storable),           cmocka_unit_test(test_r11g11b10f_store),
         cmocka_unit_test(test_half_store),         cmocka_unit_test(test_pixel_hash),
+
+
         cmocka_unit_test(test_mip_level),          cmocka_unit_test(test_mip_source),
         cmocka_unit_test(test_depth_code),         cmocka_unit_test(test_linear_z),
         cmocka_unit_test(test_position),           cmocka_unit_test(test_pixels_per_metre),
@@ -799,6 +880,8 @@ int main(void) {
         cmocka_unit_test(test_ambient_visibility), cmocka_unit_test(test_gather_term),
         cmocka_unit_test(test_gather_scale),       cmocka_unit_test(test_boost),
         cmocka_unit_test(test_bilateral_weight),   cmocka_unit_test(test_tap_placement),
+        cmocka_unit_test(test_pixel_pair),         cmocka_unit_test(test_ggx_alpha),
+        cmocka_unit_test(test_ggx_normal),         cmocka_unit_test(test_ggx_density),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

@@ -73,8 +73,16 @@ static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dg
 
 static const member reflect_members[] = {
     CAMERA("dgb_reflect_camera", dgb_reflect_uniforms, camera), VALUE("dgb_reflect_size", dgb_reflect_uniforms, size),
-    VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray), VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade),
-    VALUE("dgb_reflect_skip", dgb_reflect_uniforms, skip)};
+    VALUE("dgb_reflect_rect", dgb_reflect_uniforms, rect),      VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray),
+    VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade),      VALUE("dgb_reflect_skip", dgb_reflect_uniforms, skip)};
+
+static const member glossy_members[] = {CAMERA("dgb_glossy_camera", dgb_glossy_uniforms, camera),
+                                        VALUE("dgb_glossy_rect", dgb_glossy_uniforms, rect),
+                                        VALUE("dgb_glossy_size", dgb_glossy_uniforms, size),
+                                        VALUE("dgb_glossy_reach", dgb_glossy_uniforms, reach),
+                                        VALUE("dgb_glossy_sharpness", dgb_glossy_uniforms, sharpness),
+                                        PAST("dgb_glossy_past", dgb_glossy_uniforms),
+                                        ARRAY("dgb_glossy_taps", dgb_glossy_uniforms, taps)};
 
 typedef struct block {
     const char* name;
@@ -92,8 +100,8 @@ typedef struct block {
 static const block draw_block = BLOCK(draw);
 
 static const block* block_of(const dgb_program_desc* program) {
-    static const block blocks[] = {BLOCK(pack),    BLOCK(ao),       BLOCK(gather), BLOCK(reconstruct),
-                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles),  BLOCK(reflect)};
+    static const block blocks[] = {BLOCK(pack),     BLOCK(ao),    BLOCK(gather),  BLOCK(reconstruct), BLOCK(resolve),
+                                   BLOCK(temporal), BLOCK(tiles), BLOCK(reflect), BLOCK(glossy)};
     /* the first steps of TILES have none */
     if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
     switch (program->pass) {
@@ -105,6 +113,7 @@ static const block* block_of(const dgb_program_desc* program) {
     case DGB_PASS_TEMPORAL: return &blocks[5];
     case DGB_PASS_RECONSTRUCT: return &blocks[3];
     case DGB_PASS_REFLECT: return &blocks[7];
+    case DGB_PASS_GLOSSY: return &blocks[8];
     default: return NULL; /* the MIP and RANGE passes have no block */
     }
 }
@@ -173,12 +182,12 @@ static void test_passes(void** state) {
     int layers, normals, effects, pass, seen[DGB_PASS_COUNT] = {0};
     (void)state;
     for (layers = 1; layers <= 2; ++layers)
-        for (effects = 1; effects <= 31; ++effects) {
+        for (effects = 1; effects <= 63; ++effects) {
             dgb_desc d = desc_of(layers);
             d.effects = (uint32_t)effects;
-            if ((effects & 6) == DGB_EFFECT_BOUNCES || (effects & 11) == DGB_EFFECT_TEMPORAL ||
-                effects == DGB_EFFECT_BOUNCES)
-                continue; /* nothing to bounce, nothing at all */
+            if ((effects & 6) == DGB_EFFECT_BOUNCES || (effects & 43) == DGB_EFFECT_TEMPORAL ||
+                (effects & 48) == DGB_EFFECT_GLOSSY)
+                continue; /* nothing to bounce, to average, to mirror */
             d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
             d.tracer = effects & DGB_EFFECT_AO ? DGB_TRACER_HIERARCHICAL : DGB_TRACER_LINEAR;
             check_programs(&d, seen);

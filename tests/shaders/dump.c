@@ -144,14 +144,14 @@ int main(int argc, char** argv) {
     int effects, layers, normals, senders;
     dgb_plan plan;
     if (argc != 2) return 2;
-    for (effects = 1; effects < 32; ++effects)
+    for (effects = 1; effects < 64; ++effects)
         for (layers = 1; layers <= 2; ++layers) {
             dgb_desc desc;
             memset(&desc, 0, sizeof desc);
             desc.width = desc.height = 64;
             desc.layers = layers;
             desc.effects = (uint32_t)effects;
-            if (dgb_make_plan(&desc, &plan) != DGB_OK) continue; /* BOUNCES without RADIOSITY, TEMPORAL alone */
+            if (dgb_make_plan(&desc, &plan) != DGB_OK) continue; /* BOUNCES without RADIOSITY, GLOSSY without REFLECT */
             for (senders = 0; senders < DGB_SENDERS_COUNT; ++senders)
                 for (desc.divisor = 1; desc.divisor <= 2; ++desc.divisor) {
                     desc.senders = (dgb_senders)senders;

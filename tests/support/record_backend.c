@@ -51,7 +51,7 @@ void record_text_free(record_text* text) {
 }
 
 const char* record_effect_names(uint32_t effects) {
-    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect"};
+    static const char* const words[] = {"ao", "radiosity", "bounces", "temporal", "reflect", "glossy"};
     static char names[64];
     size_t length = 0, i;
     snprintf(names, sizeof names, "none");
@@ -396,6 +396,7 @@ static size_t uniform_size(dgb_pass_id pass) {
     case DGB_PASS_TEMPORAL: return sizeof(dgb_temporal_uniforms);
     case DGB_PASS_RECONSTRUCT: return sizeof(dgb_reconstruct_uniforms);
     case DGB_PASS_REFLECT: return sizeof(dgb_reflect_uniforms);
+    case DGB_PASS_GLOSSY: return sizeof(dgb_glossy_uniforms);
     case DGB_PASS_MIP:
     case DGB_PASS_RANGE:
     case DGB_PASS_COUNT: break;

@@ -63,6 +63,7 @@ typedef struct record_uniforms {
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
         dgb_reflect_uniforms reflect;
+        dgb_glossy_uniforms glossy;
     } u;
 } record_uniforms;
 
