@@ -518,7 +518,7 @@ static void fill_slot(const stage* s, dgb_slot slot, float value) {
     free(texels);
 }
 
-/* History that is no number is gone a frame later. */
+/* History that is no number is gone a frame later, and takes nothing of this frame's rays with it. */
 static void test_heals(void** state) {
     static const float odd[] = {NAN, INFINITY, -INFINITY, -5.0f};
     stage s = open_stage(OVER_TIME, 1, 0);
@@ -527,12 +527,19 @@ static void test_heals(void** state) {
     set_roughness(&s, 0.5f);
     show(&s), show(&s);
     for (i = 0; i < sizeof odd / sizeof odd[0]; ++i) {
-        float* r;
+        float *r, *raw;
+        int at, hits = 0;
         fill_slot(&s, DGB_REFLECTION, odd[i]); /* last frame's from now on */
         shade(&s);
-        r = read_slot(&s, DGB_REFLECTION);
+        r = read_slot(&s, DGB_REFLECTION), raw = read_slot(&s, DGB_REFLECTION_RAW);
         check_range(&s, r);
-        free(r);
+        for (at = 0; at < COUNT; ++at) {
+            if (raw[4 * at + 3] < 0.5f) continue;
+            ++hits;
+            assert_true(r[4 * at + 3] > 0.0f && r[4 * at + 1] > 0.0f);
+        }
+        assert_true(hits > 500);
+        free(r), free(raw);
     }
     close_stage(&s);
 }
