@@ -22,12 +22,13 @@ flags := $(flags_$(config))
 $(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf
+packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf vulkan
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
+vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
-CPPFLAGS += -I. -Iexamples -Itests/support $(third_party)
+CPPFLAGS += -I. -Iexamples -Itests/support -Itests/reference $(third_party)
 CFLAGS   := -std=c99 -pedantic $(warnings) -ffp-contract=off $(flags)
 CXXFLAGS := -std=c++17 $(warnings) -ffp-contract=off $(flags)
 export CC CXX
@@ -42,21 +43,28 @@ example_parts   := $(sort $(wildcard examples/scene*.cpp) $(wildcard examples/im
 example_sources := $(filter-out $(example_parts),$(wildcard examples/*.c examples/*.cpp))
 examples        := $(addprefix $(B)/,$(call program_names,$(example_sources)))
 support         := $(wildcard tests/support/*.c)
+reference       := $(filter-out tests/reference/test_%,$(wildcard tests/reference/*.cpp))
 
 # The programs of one test folder in one configuration: $(call tests_in,unit,sanitize).
 tests_in = $(patsubst %.c,build/$(2)/%,$(wildcard tests/$(1)/test_*.c))
 core_tests  = $(foreach folder,unit backends,$(call tests_in,$(folder),$(1)))
 gl_tests   := $(call tests_in,gl,$(config))
+gpu_cost   := $(B)/tests/gpu_cost/gpu_cost
 benchmarks := $(patsubst %,$(B)/%,$(basename $(wildcard tests/bench/*.c tests/bench/*.cpp)))
+
+# Programs that compare with rays: tests/reference, and the benchmarks that include its header.
+reference_tests       = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/reference/test_*.cpp))
+reference_benchmarks := $(patsubst %.cpp,$(B)/%,$(shell grep -l '"reference.hpp"' tests/bench/*.cpp))
 
 source_tests  := tests/compile/compile.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
+gpu_tests     := tests/gpu_cost/check.sh
 example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
-.PHONY: all help setup demo test check check-core check-gl examples bench core-tests gl-tests \
-        embed embed-check shaders-check format format-fix tidy clean
+.PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
+        gpu-tests reference-tests embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -85,11 +93,12 @@ demo: ## set up, build and render the atrium into build/demo
 	$(demo_commands)
 
 test: setup ## set up, build and run every test
-	@$(MAKE) config=release examples core-tests gl-tests
+	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests
 	@$(MAKE) config=sanitize core-tests
 	@$(MAKE) config=fastmath core-tests
-	@tests/run $(source_tests) $(shader_tests) $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) \
-	    $(call tests_in,gl,release) $(example_tests)
+	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
+	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
+	    $(call reference_tests,release) $(example_tests)
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)
@@ -100,10 +109,16 @@ check-core: core-tests ## the tests of the core, which need no GPU
 check-gl: gl-tests ## the tests of the OpenGL backend
 	@tests/run $(gl_tests)
 
+check-reference: reference-tests ## the tests of the ray-traced reference
+	@tests/run $(call reference_tests,$(config))
+
 examples: $(examples) ## build every example
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
+
+gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table, and build/gpu_cost.csv
+	@$(if $(vulkan),$(gpu_cost),echo "gpu-cost: skipped: libvulkan is missing (Debian, Ubuntu: libvulkan-dev)")
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))
@@ -125,7 +140,7 @@ format-fix: ## format the sources
 	@clang-format -i $(our_h) $(our_c) $(our_cpp)
 
 tidy: ## run clang-tidy on the headers, the examples and the tests
-	@$(if $(our_c),clang-tidy --quiet $(our_c) -- -std=c99 $(CPPFLAGS))
+	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%),$(our_c)) -- -std=c99 $(CPPFLAGS))
 	@$(if $(our_cpp),clang-tidy --quiet $(our_cpp) -- -std=c++17 $(CPPFLAGS))
 
 clean: ## remove build/
@@ -133,6 +148,8 @@ clean: ## remove build/
 
 core-tests: $(call core_tests,$(config))
 gl-tests: $(gl_tests)
+gpu-tests: $(if $(vulkan),$(gpu_cost))
+reference-tests: $(call reference_tests,$(config))
 
 # >> rules: objects, archives, programs
 
@@ -156,6 +173,7 @@ endif
 
 $(B)/examples.a: $(call objects,$(example_parts))
 $(B)/support.a: $(call objects,$(support))
+$(B)/reference.a: $(call objects,$(reference))
 $(B)/%.a:
 	$(call say,ar  )
 	@rm -f $@ && $(AR) rcs $@ $^
@@ -182,9 +200,24 @@ $(gl_tests): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/obj/examples/headless.o
 	$(call say,link)
 	$(call link,$(CC),cmocka egl epoxy)
 
-$(benchmarks): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/examples.a
+$(gpu_cost): $(call objects,$(wildcard tests/gpu_cost/*.c))
+	$(call say,link)
+	$(call link,$(CC),vulkan)
+
+$(filter-out $(reference_benchmarks),$(benchmarks)): $(B)/%: $(B)/obj/%.o $(B)/support.a $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),egl epoxy $(gltf))
+
+# Embree comes without a pkg-config file.
+embree = -lembree$(if $(shell $(CXX) -E -include embree4/rtcore.h -x c++ /dev/null >/dev/null 2>&1 && echo yes),4,3)
+
+$(reference_benchmarks): $(B)/%: $(B)/obj/%.o $(B)/reference.a $(B)/support.a $(B)/examples.a
+	$(call say,link)
+	$(call link,$(CXX),egl epoxy $(gltf)) $(embree) -pthread
+
+$(call reference_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/reference.a $(B)/support.a $(B)/examples.a
+	$(call say,link)
+	$(call link,$(CXX),cmocka egl epoxy $(gltf)) $(embree) -pthread
 
 build/embed: shaders_embedded/embed.c
 	$(call say,cc  )

@@ -70,6 +70,7 @@
              -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
+             -> [range]       HIERARCHICAL: depth ranges of both layers, over cells of 4, 8, 16... pixels
              -> [reflect]     what a mirror in each pixel would show, from both layers
              -> [glossy]      GLOSSY: what a rough surface would, from the rays of neighbours and of frames before
              -> your composite, and next frame's pack
@@ -136,6 +137,9 @@
        and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
        less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
        stands still lags behind. Roughness 0 is the mirror, exactly.
+       desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
+       that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
+       longer the rays and the shorter the steps, the more it saves.
        desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
        the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
        desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
@@ -236,13 +240,14 @@ extern "C" {
 #define DGB_ROTATION_COUNT 256            /* rotations of the spiral */
 #define DGB_TILE_SIZE 16                  /* pixels along one side of a tile */
 #define DGB_REGION_SIZE 128
+#define DGB_CELL_SIZE 4     /* pixels along one side of a cell of the finest depth ranges */
 #define DGB_AO_LOG2_Q 3     /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
 #define DGB_GATHER_LOG2_Q 4 /* radiosity taps within 2^4 = 16 pixels read level 0 */
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 14
-#define DGB_MAX_PASSES 20
+#define DGB_MAX_PROGRAMS 16
+#define DGB_MAX_PASSES 26
 #define DGB_MAX_TEXTURES 40
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
@@ -379,6 +384,12 @@ typedef enum dgb_normaliser { /* what divides the gathered sum */
                               DGB_NORMALISER_COUNT
 } dgb_normaliser;
 
+typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
+                          DGB_TRACER_LINEAR = 0,   /* every step is tested */
+                          DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
+                          DGB_TRACER_COUNT
+} dgb_tracer;
+
 typedef enum dgb_format {
     DGB_FORMAT_NONE = 0,
     DGB_FORMAT_R8,
@@ -391,6 +402,8 @@ typedef enum dgb_format {
     DGB_FORMAT_RG32F,
     DGB_FORMAT_RGBA32F,
     DGB_FORMAT_R32UI,
+    DGB_FORMAT_RG32UI,
+    DGB_FORMAT_RGBA32UI,
     DGB_FORMAT_D16,
     DGB_FORMAT_D24,
     DGB_FORMAT_D32F,
@@ -441,13 +454,15 @@ typedef enum dgb_format {
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
-    X(DGB_AO_HALF, "ao_half")                                                                                            \
-    X(DGB_IRRADIANCE_HALF, "irradiance_half")                                                                            \
-    X(DGB_IRRADIANCE1_HALF, "irradiance1_half")                                                                          \
+    /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
+    X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF1, "half1")                                                                                                \
     X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
     X(DGB_IRRADIANCE1,                                                                                                   \
       "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
+    /* depth ranges, with MIP levels: largest and smallest z of layer 0, of layer 1 */                                   \
+    X(DGB_RANGES, "ranges")                                                                                              \
     X(DGB_REFLECTION_RAW, "reflection_raw")   /* GLOSSY: of one ray; of this frame */                                    \
     X(DGB_LAST_REFLECTION, "last_reflection") /* GLOSSY and TEMPORAL: of last frame, and the frames averaged / 255 */    \
     X(DGB_REFLECTION_FRAMES, "reflection_frames")                                                                        \
@@ -476,6 +491,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_GATHER,
     DGB_PASS_TEMPORAL,
     DGB_PASS_RECONSTRUCT,
+    DGB_PASS_RANGE,
     DGB_PASS_REFLECT,
     DGB_PASS_GLOSSY,
     DGB_PASS_COUNT
@@ -805,6 +821,7 @@ typedef struct dgb_reflect_uniforms {
     int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     float ray[4];    /* longest (m), thickness (m), pixels a step, z of the near plane (m) */
     float fade[4];   /* width of the border (pixels) */
+    int32_t skip[4]; /* log2 of the most steps skipped at once, of the least power of two >= pixels a step */
 } dgb_reflect_uniforms;
 
 typedef struct dgb_glossy_uniforms {
@@ -836,6 +853,7 @@ typedef struct dgb_desc { /* 0 means default */
     bool world_normals;  /* DGB_SOURCE_ENGINE: normals are in world space */
     dgb_senders senders;
     dgb_normaliser normaliser;
+    dgb_tracer tracer;
     const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
     dgb_log_fn log;             /* may be null */
     void* log_user;
@@ -848,7 +866,7 @@ typedef struct dgb_plan_input {
 
 typedef struct dgb_plan_pass {
     dgb_pass_id id;
-    int level;   /* MIP: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
+    int level;   /* MIP, RANGE: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
     int program; /* index into programs; -1 for LAYERS */
     int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
@@ -1531,8 +1549,8 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"layers", "resolve", "predict",  "pack",        "mip",     "tiles",
-                                        "ao",     "gather",  "temporal", "reconstruct", "reflect", "glossy"};
+    static const char* const names[] = {"layers", "resolve",  "predict",     "pack",  "mip",     "tiles", "ao",
+                                        "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1540,9 +1558,10 @@ DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
 static const struct {
     const char* name;
     int bytes;
-} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},  {"R8", 1},      {"RG8", 2},  {"RGBA8", 4}, {"R11G11B10F", 4},
-                                    {"RG16F", 4}, {"RGBA16F", 8}, {"R32F", 4}, {"RG32F", 8}, {"RGBA32F", 16},
-                                    {"R32UI", 4}, {"D16", 2},     {"D24", 4},  {"D32F", 4}};
+} dgbi_formats[DGB_FORMAT_COUNT] = {{"none", 0},       {"R8", 1},       {"RG8", 2},     {"RGBA8", 4},
+                                    {"R11G11B10F", 4}, {"RG16F", 4},    {"RGBA16F", 8}, {"R32F", 4},
+                                    {"RG32F", 8},      {"RGBA32F", 16}, {"R32UI", 4},   {"RG32UI", 8},
+                                    {"RGBA32UI", 16},  {"D16", 2},      {"D24", 4},     {"D32F", 4}};
 
 DGB_API const char* dgb_format_name(dgb_format format) {
     return dgbi_in_range((int)format, 0, DGB_FORMAT_COUNT - 1) ? dgbi_formats[format].name : "?";
@@ -1615,6 +1634,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->normals, 0, DGB_NORMALS_COUNT - 1) ||
         !dgbi_in_range((int)d->senders, 0, DGB_SENDERS_COUNT - 1) ||
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
+        !dgbi_in_range((int)d->tracer, 0, DGB_TRACER_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
@@ -1660,13 +1680,21 @@ static bool dgbi_has_prediction(dgb_oracle oracle) {
 
 static int dgbi_units(int pixels, int unit) { return (pixels + unit - 1) / unit; }
 
-/* Width and height of a texture of the plan. */
+/* Cells of level m stand DGB_CELL_SIZE * 2^m pixels apart. None is longer than the buffer. */
+static int dgbi_range_levels(const dgb_plan* plan) {
+    const int longer = plan->width > plan->height ? plan->width : plan->height;
+    return dgb_mip_levels(longer / DGB_CELL_SIZE, longer / DGB_CELL_SIZE);
+}
+
+/* Width and height of a texture of the plan. Ranges are for whole cells of their coarsest level, so that none is odd. */
 static void dgbi_texture_size(const dgb_plan* plan, dgb_slot slot, int size[2]) {
+    const int cells = slot == DGB_RANGES ? 1 << (dgbi_range_levels(plan) - 1) : 1;
     const int unit = slot == DGB_TILE_DEPTHS || slot == DGB_TILES ? DGB_TILE_SIZE
                      : slot == DGB_REGION_DEPTHS                  ? DGB_REGION_SIZE
+                     : slot == DGB_RANGES                         ? DGB_CELL_SIZE * cells
                                                                   : 1;
-    size[0] = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : dgbi_units(plan->width, unit);
-    size[1] = slot == DGB_ROTATIONS ? 1 : dgbi_units(plan->height, unit);
+    size[0] = slot == DGB_ROTATIONS ? DGB_ROTATION_COUNT : dgbi_units(plan->width, unit) * cells;
+    size[1] = slot == DGB_ROTATIONS ? 1 : dgbi_units(plan->height, unit) * cells;
 }
 
 static void dgbi_add_texture(dgb_plan* plan, dgb_slot slot, dgb_format format, int layers, int levels) {
@@ -1949,37 +1977,62 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
 }
 
-typedef struct dgbi_filtered { /* one result: what the shader calls it, and where it lies */
-    dgb_slot name, before, half, after;
+/* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
+typedef struct dgbi_filtered {
+    bool wanted;
+    dgb_slot name, before, after;
     dgb_format format;
 } dgbi_filtered;
 
-/* Along x it reads what the passes before have left, along y what it has written itself. */
-static void dgbi_plan_axis(const dgbi_filtered* f, int axis, dgb_plan* plan, dgb_plan_pass* pass) {
-    dgbi_add_texture(plan, axis ? f->after : f->half, f->format, 0, 1);
-    dgbi_add_input_as(pass, f->name, axis ? f->half : f->before);
-    dgbi_add_output(pass, axis ? f->after : f->half);
-}
-
-static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const dgbi_filtered ao = {DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO_HALF, DGB_AO, DGB_FORMAT_R8};
-    const dgbi_filtered light = {DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW,
-                                 DGB_IRRADIANCE_HALF, DGB_IRRADIANCE, DGB_FORMAT_RGBA16F};
-    const dgbi_filtered deep = {DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW,
-                                DGB_IRRADIANCE1_HALF, DGB_IRRADIANCE1, DGB_FORMAT_RGBA16F};
+/* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
+static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
+    const dgbi_filtered results[3] = {
+        {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
+        {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
+         DGB_FORMAT_RGBA16F},
+        {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
+         DGB_FORMAT_RGBA16F}};
+    const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
-    int axis;
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
+    int i;
+    dgbi_add_define(plan, "DGB_AXIS", axis);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
-    for (axis = 0; axis < 2; ++axis) {
-        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
-        dgbi_add_input(pass, DGB_Z);
-        dgbi_add_input(pass, DGB_NORMALS);
-        if (w->ao) dgbi_plan_axis(&ao, axis, plan, pass);
-        if (w->light) dgbi_plan_axis(&light, axis, plan, pass);
-        if (w->deep) dgbi_plan_axis(&deep, axis, plan, pass);
+    if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
+    for (i = 0; i < (w->deep ? 2 : 1); ++i) {
+        if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
+        if (axis == 0) dgbi_add_output(pass, halves[i]);
+        if (axis == 1) dgbi_add_input(pass, halves[i]);
+    }
+    for (i = 0; i < 3; ++i) {
+        if (!results[i].wanted) continue;
+        if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
+        if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
+        if (axis == 1) dgbi_add_output(pass, results[i].after);
+    }
+}
+
+static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
+    int axis;
+    for (axis = 0; axis < 2; ++axis) dgbi_plan_axis(d, w, axis, plan);
+}
+
+/* The finest level from z, each of the others from the one before. */
+static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
+    const int levels = dgbi_range_levels(plan), first = plan->program_count;
+    int level;
+    for (level = 0; level < dgbi_min(levels, 2); ++level) {
+        dgbi_add_program(plan, DGB_PASS_RANGE);
+        dgbi_add_define(plan, "DGB_RANGE_STEP", level);
+    }
+    dgbi_add_texture(plan, DGB_RANGES, w->layers > 1 ? DGB_FORMAT_RGBA32F : DGB_FORMAT_RG32F, 0, levels);
+    for (level = 0; level < levels; ++level) {
+        dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RANGE, level, first + (level > 0));
+        dgbi_add_input(pass, level ? DGB_RANGES : DGB_Z);
+        dgbi_add_output(pass, DGB_RANGES);
     }
 }
 
@@ -1995,6 +2048,7 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    dgbi_add_define(plan, "DGB_HIERARCHICAL", d->tracer == DGB_TRACER_HIERARCHICAL);
     dgbi_add_define(plan, "DGB_INDIRECT", w->indirect);
     dgbi_add_define(plan, "DGB_GLOSSY", w->glossy);
     dgbi_add_texture(plan, reflection, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2003,6 +2057,7 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_B0);
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
+    if (d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_add_input(pass, DGB_RANGES);
     if (w->indirect) {
         dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
         dgbi_add_input(pass, DGB_IRRADIANCE);
@@ -2059,6 +2114,7 @@ static void dgbi_fill_plan(const dgb_desc* d, dgb_plan* plan) {
     if (wants.light) dgbi_plan_gather(d, &wants, plan);
     if (wants.temporal && wants.spiral) dgbi_plan_temporal(d, &wants, plan);
     if (wants.spiral) dgbi_plan_reconstruct(d, &wants, plan);
+    if (wants.reflect && d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_plan_range(&wants, plan);
     if (wants.reflect) dgbi_plan_reflect(d, &wants, plan);
     if (wants.glossy) dgbi_plan_glossy(d, &wants, plan);
 }
@@ -2230,6 +2286,11 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
     if (c->backend.marker) c->backend.marker(c->backend.user, id, begin);
 }
 
+/* Whether it writes the level that it is named for, and reads the one before. */
+static bool dgbi_writes_level(const dgb_plan_pass* pass) {
+    return pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE;
+}
+
 static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id = plan_pass->id;
@@ -2237,7 +2298,7 @@ static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass
         plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
     for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
-        pass->colors[i].level = plan_pass->id == DGB_PASS_MIP ? plan_pass->level : 0;
+        pass->colors[i].level = dgbi_writes_level(plan_pass) ? plan_pass->level : 0;
         pass->colors[i].layer = layer;
     }
     c->backend.pass_begin(c->backend.user, pass);
@@ -2247,7 +2308,7 @@ static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
     int i;
     for (i = 0; i < pass->input_count; ++i)
         c->backend.texture_bind(c->backend.user, pass->inputs[i].name, c->textures[pass->inputs[i].texture],
-                                pass->id == DGB_PASS_MIP ? pass->level - 1 : -1);
+                                dgbi_writes_level(pass) ? pass->level - 1 : -1);
 }
 
 /* >> frame, layers */
@@ -2764,6 +2825,13 @@ static void dgbi_reconstruct_uniforms(const dgb_context* c, const dgb_params* q,
     dgbi_filter_weights(q->filter_taps / 2, u->weights);
 }
 
+/* Exponent of the least power of two that is no less. */
+static int dgbi_log2_ceil(int x) {
+    int exponent = 0;
+    while (1 << exponent < x) ++exponent;
+    return exponent;
+}
+
 static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb_reflect_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
@@ -2774,6 +2842,9 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
     u->ray[2] = (float)q->reflect_stride;
     u->ray[3] = dgb_linear_z(1.0f - dgbi_clear_depth(c->desc.reversed), &c->camera);
     u->fade[0] = q->reflect_border;
+    u->skip[1] = dgbi_log2_ceil(q->reflect_stride);
+    u->skip[0] =
+        dgbi_log2_ceil(DGB_CELL_SIZE) + dgbi_range_levels(&c->plan) - 1 - u->skip[1]; /* of the coarsest cell */
 }
 
 /* Nothing reads reflections in the guard band. x, y, width, height. */
@@ -2837,6 +2908,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_RESOLVE:
     case DGB_PASS_PREDICT:
     case DGB_PASS_MIP: /* copies: nothing to tell */
+    case DGB_PASS_RANGE:
     case DGB_PASS_COUNT: return;
     }
     c->backend.uniforms_upload(c->backend.user, &u, size);
@@ -2848,9 +2920,10 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
         rect[0] = rect[1] = 0;
         rect[2] = c->plan.width >> level;
         rect[3] = c->plan.height >> level;
-    } else if (pass->id == DGB_PASS_TILES) {
+    } else if (pass->id == DGB_PASS_TILES || pass->id == DGB_PASS_RANGE) {
         rect[0] = rect[1] = 0;
         dgbi_texture_size(&c->plan, pass->outputs[0], rect + 2);
+        if (pass->id == DGB_PASS_RANGE) rect[2] >>= pass->level, rect[3] >>= pass->level;
     } else if (pass->id == DGB_PASS_REFLECT || pass->id == DGB_PASS_GLOSSY) {
         dgbi_image_rect(c, rect);
     } else {

@@ -87,7 +87,8 @@ dgb_plan make_plan(const dgb_desc& desc) {
 Scene load_scene(const std::string& path) {
     Scene scene;
     std::string error;
-    if (path.empty()) { return make_atrium(); }
+    if (path.empty() || path == "atrium") { return make_atrium(); }
+    if (path == "gallery") { return make_gallery(); }
     if (!load_gltf(path, &scene, &error)) { throw std::runtime_error(error); }
     return scene;
 }

@@ -70,6 +70,7 @@ struct Options {
     int divisor = 1;                                        // of the resolution of layers behind the first
     dgb_oracle oracle = DGB_ORACLE_REPROJECT;
     dgb_emission emission = DGB_EMISSION_AUTO;
+    dgb_tracer tracer = DGB_TRACER_LINEAR;
     uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
 
@@ -114,6 +115,7 @@ inline dgb_desc layers_desc(const Options& options) {
     desc.effects = options.effects;
     desc.oracle = options.oracle;
     desc.emission = options.emission;
+    desc.tracer = options.tracer;
     desc.reversed = options.clip != ClipRange::standard;
     desc.clip = desc.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
     return desc;
@@ -331,7 +333,9 @@ inline void apply(const Overrides& overrides, Options* options) {
 }
 
 inline void add_outputs(CLI::App* app, Options* o) {
-    app->add_option("SCENE", o->scene, "glTF 2.0 file, .gltf or .glb; without it, a procedural atrium");
+    app->add_option(
+        "SCENE", o->scene,
+        "glTF 2.0 file, .gltf or .glb; or one of the procedural scenes: atrium (the default), gallery (mirrors)");
     app->add_option(
         "--out", o->out,
         "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
@@ -422,6 +426,10 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option("--reflect-thickness", overrides->reflect_thickness,
                     "how far behind its surface an object stops a mirrored ray, m (default 0.5)")
         ->check(positive());
+    add_choice<dgb_tracer>(
+        app, "--tracer", {{"linear", DGB_TRACER_LINEAR}, {"hierarchical", DGB_TRACER_HIERARCHICAL}},
+        [=](dgb_tracer tracer) { o->tracer = tracer; },
+        "how mirrored rays are marched: linear (default), hierarchical; the picture is the same");
     app->add_option("--roughness", o->roughness, "of every surface, 0 to 1 (default: as the materials say)")
         ->check(between(0, 1, "0 to 1"));
     app->add_option("--alpha", overrides->alpha, "weight of the frames before, 0 to 0.999 (default 0.85)")

@@ -203,3 +203,6 @@ bool load_gltf(const std::string& path, Scene* scene, std::string* error);
 
 // A court with two storeys of columns, open to the sky, with drapes behind the columns. Needs no files.
 Scene make_atrium();
+
+// A hall with mirrors along one wall, columns and pictures along the other, and something that passes. Needs no files.
+Scene make_gallery();

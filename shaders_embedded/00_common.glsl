@@ -28,14 +28,19 @@ vec2 dgb_octahedral(vec3 n) {
     return valid && n.z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p;
 }
 
-vec3 dgb_from_octahedral(vec2 p) {
+// The direction that they mean, of any length: enough where only a sign is asked for.
+vec3 dgb_unfolded(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
-    return normalize(vec3(z < 0.0 ? (1.0 - abs(p.yx)) * dgb_sign(p) : p, z));
+    return vec3(p - max(-z, 0.0) * dgb_sign(p), z); // what lies below the equator is folded back
 }
+
+vec3 dgb_from_octahedral(vec2 p) { return normalize(dgb_unfolded(p)); }
 
 vec2 dgb_oct16_encode(vec3 n) { return (floor(dgb_octahedral(n) * 127.0 + 0.5) + 127.0) / 255.0; }
 
-vec3 dgb_oct16_decode(vec2 bytes) { return dgb_from_octahedral(min(bytes * (255.0 / 127.0) - 1.0, 1.0)); }
+vec3 dgb_oct16_direction(vec2 bytes) { return dgb_unfolded(min(bytes * (255.0 / 127.0) - 1.0, 1.0)); }
+
+vec3 dgb_oct16_decode(vec2 bytes) { return normalize(dgb_oct16_direction(bytes)); }
 
 float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_MAX_RADIANCE) : 0.0; }
 

@@ -4,32 +4,19 @@
 
 const int DGB_LOG2_REGION = 7; // 8 x 8 tiles
 
-const vec4 DGB_NO_DEPTHS = vec4(-1e30, 1e30, -1e30, 1e30); // largest and smallest z of layer 0, of layer 1: none
-
 #if DGB_TILES_STEP < 2
-// Largest and smallest of two pairs of ranges.
-vec4 dgb_join(vec4 a, vec4 b) { return vec4(max(a.x, b.x), min(a.y, b.y), max(a.z, b.z), min(a.w, b.w)); }
-
 layout(location = 0) out vec4 dgb_out_depths;
 #endif
 
 #if DGB_TILES_STEP == 0
 uniform sampler2D dgb_z;
 
-vec4 dgb_depths_at(ivec2 p) {
-    vec2 z = texelFetch(dgb_z, p, 0).xy;
-    vec4 depths = DGB_NO_DEPTHS;
-    if (z.x > DGB_EMPTY_Z) depths.xy = z.xx;
-    if (z.y > DGB_EMPTY_Z) depths.zw = z.yy;
-    return depths;
-}
-
 void main() {
     ivec2 tile = ivec2(gl_FragCoord.xy), last = textureSize(dgb_z, 0) - 1;
     vec4  depths = DGB_NO_DEPTHS;
     for (int y = 0; y < 1 << DGB_LOG2_TILE; ++y)
         for (int x = 0; x < 1 << DGB_LOG2_TILE; ++x)
-            depths = dgb_join(depths, dgb_depths_at(min((tile << DGB_LOG2_TILE) + ivec2(x, y), last)));
+            depths = dgb_join(depths, dgb_depths_of(texelFetch(dgb_z, min((tile << DGB_LOG2_TILE) + ivec2(x, y), last), 0).xy));
     dgb_out_depths = depths;
 }
 #elif DGB_TILES_STEP == 1

@@ -31,7 +31,8 @@ struct dgb_shaded {
     vec2  rotation;
 };
 
-// Occlusion that tap i finds; `second` is constant wherever this is called.
+// Occlusion that tap i finds. second: look at the second layer, which costs no fetch; the same in a whole tile, so that a
+// processor that branches skips it. A loop without it, as the gather has, costs those that do not more than it saves.
 float dgb_tap_occlusion(int i, dgb_shaded s, bool second) {
     dgb_tap tap   = dgb_tap_at(dgb_ao_taps[i], s.rotation, s.reach, vec2(s.pixel) + 0.5, dgb_ao_size.xy, dgb_ao_level);
     vec2    at    = vec2(tap.pixel) + 0.5;
@@ -63,12 +64,11 @@ void main() {
     int   taps = z > DGB_EMPTY_Z && s.reach > DGB_AO_FADE_START ? dgb_ao_size.z : 0;
     float sum  = 0.0;
 #if DGB_LAYERS > 1
-    bool second = dgb_tile_at(s.pixel, dgb_ao_level.w != 0).x; // loops, not branches: of those every processor skips what it does not run
-    for (int i = 0; i < (second ? taps : 0); ++i) sum += dgb_tap_occlusion(i, s, true);
-    for (int i = 0; i < (second ? 0 : taps); ++i) sum += dgb_tap_occlusion(i, s, false);
+    bool second = dgb_tile_at(s.pixel, dgb_ao_level.w != 0).x;
 #else
-    for (int i = 0; i < taps; ++i) sum += dgb_tap_occlusion(i, s, false);
+    bool second = false;
 #endif
+    for (int i = 0; i < taps; ++i) sum += dgb_tap_occlusion(i, s, second);
     float visibility = dgb_ambient_visibility(sum, dgb_ao_scale.x);
     visibility       = dgb_ao_scale.y == 1.0 ? visibility : pow(visibility, dgb_ao_scale.y);
     float full       = clamp((s.reach - DGB_AO_FADE_START) / (DGB_AO_FADE_END - DGB_AO_FADE_START), 0.0, 1.0);

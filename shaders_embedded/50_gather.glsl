@@ -31,7 +31,7 @@ struct dgb_receiver {
 
 // A surface that a tap finds. weight: 0 for what must not count.
 struct dgb_sender {
-    vec3  y, n, radiance;
+    vec3  y, n, radiance; // n: of any length
     float weight;
 };
 
@@ -85,7 +85,7 @@ dgb_sender dgb_sender_at(vec2 pixel, float z, vec2 normal, vec3 radiance, float 
     dgb_sender s;
     s.y = dgb_position(pixel, z, dgb_gather_camera);
 #if DGB_NORMAL_TEST
-    s.n = dgb_oct16_decode(normal);
+    s.n = dgb_oct16_direction(normal);
 #endif
     s.radiance = radiance;
     s.weight   = weight;

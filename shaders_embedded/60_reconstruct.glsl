@@ -1,5 +1,6 @@
 // Reconstruction: separable bilateral filter with normal and plane weights over ambient visibility, irradiance and
-// confidence together, for the second layer along its own surfaces; run along x, then along y.
+// confidence together, for the second layer along its own surfaces; run along x, then along y. What the first run finds it
+// leaves in one texel beside the surface that it is for, so that the second run fetches once a tap.
 
 layout(std140) uniform dgb_reconstruct_block {
     dgb_camera dgb_reconstruct_camera;
@@ -9,6 +10,29 @@ layout(std140) uniform dgb_reconstruct_block {
     vec4       dgb_reconstruct_weights[DGB_MAX_FILTER_RADIUS + 1];
 };
 
+struct dgb_lit { // a surface and what is known of its light
+    float z;
+    vec2  normal; // Oct16
+    float ao;
+    vec4  irradiance; // a: confidence
+};
+
+// Two numbers from 0 to 64512 in 32 bits, each as exact as a half float: no sign, 6 bits of exponent, 10 of mantissa. Less than
+// 2^-46 becomes 0, NaN too. Neither function meets a subnormal number, which implementations may flush.
+uint dgb_pack(vec2 v) {
+    uvec2 codes = (floatBitsToUint(v * 8.271806125530277e-25) + 0x1000u) >> 13; // 2^-80
+    codes       = min(codes, 0xffffu);
+    if (!(v.x >= 1.4210854715202004e-14)) codes.x = 0u; // 2^-46
+    if (!(v.y >= 1.4210854715202004e-14)) codes.y = 0u;
+    return codes.x | codes.y << 16;
+}
+
+vec2 dgb_unpack(uint codes) {
+    return uintBitsToFloat(uvec2(codes << 13, codes >> 3) & 0x1fffe000u) * 1.2089258196146292e24; // 2^80
+}
+
+// In: what the passes before have left, then what the first run has.
+#if DGB_AXIS == 0
 uniform sampler2D dgb_z;
 uniform sampler2D dgb_normals;
 #if DGB_FILTER_AO
@@ -21,6 +45,49 @@ uniform sampler2D dgb_irradiance_raw;
 uniform sampler2D dgb_irradiance1_raw;
 #endif
 
+dgb_lit dgb_lit_at(int layer, ivec2 p) {
+    vec2    z       = texelFetch(dgb_z, p, 0).xy;
+    vec4    normals = texelFetch(dgb_normals, p, 0);
+    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0));
+#if DGB_FILTER_AO
+    s.ao = texelFetch(dgb_ao_raw, p, 0).x;
+#endif
+#if DGB_FILTER_IRRADIANCE
+    s.irradiance = texelFetch(dgb_irradiance_raw, p, 0);
+#endif
+#if DGB_DEEP
+    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0));
+#endif
+    return s;
+}
+#else
+uniform usampler2D dgb_half;
+#if DGB_DEEP
+uniform usampler2D dgb_half1;
+#endif
+
+dgb_lit dgb_lit_at(int layer, ivec2 p) {
+    uvec4 t = texelFetch(dgb_half, p, 0);
+#if DGB_DEEP
+    if (layer == 1) t = texelFetch(dgb_half1, p, 0);
+#endif
+    vec2 normal = vec2(t.y & 255u, (t.y >> 8) & 255u) * (1.0 / 255.0);
+    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)));
+}
+#endif
+
+// Out: z | Oct16 and, above it, ambient visibility | irradiance and confidence; then the results.
+#if DGB_AXIS == 0
+layout(location = 0) out uvec4 dgb_out_half;
+#if DGB_DEEP
+layout(location = 1) out uvec4 dgb_out_half1;
+#endif
+
+uvec4 dgb_texel(dgb_lit s) {
+    uvec3 bytes = uvec3(vec3(s.normal * 255.0, s.ao * 65535.0) + 0.5);
+    return uvec4(floatBitsToUint(s.z), bytes.x | bytes.y << 8 | bytes.z << 16, dgb_pack(s.irradiance.xy), dgb_pack(s.irradiance.zw));
+}
+#else
 #if DGB_FILTER_AO
 layout(location = 0) out vec4 dgb_out_ao;
 #endif
@@ -32,70 +99,58 @@ layout(location = 2) out vec4 dgb_out_irradiance1;
 #elif DGB_DEEP
 layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
+#endif
 
-// Weight of the surface at y, with normal n2, for the one at x; i steps away.
-float dgb_weight(vec3 x, vec3 n, vec3 y, vec2 n2, int i) {
-    float weight = dgb_bilateral_weight(n, dgb_oct16_decode(n2), y - x, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
-    return y.z > DGB_EMPTY_Z ? weight * dgb_reconstruct_weights[abs(i)].x : 0.0;
-}
+dgb_lit dgb_filtered(int layer, ivec2 pixel) {
+    ivec2   axis = dgb_reconstruct_axis.xy;
+    dgb_lit s    = dgb_lit_at(layer, pixel);
+    vec3    x    = dgb_position(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);
+    vec3    n    = dgb_oct16_decode(s.normal);
 
-void main() {
-    ivec2 axis    = dgb_reconstruct_axis.xy;
-    ivec2 pixel   = ivec2(gl_FragCoord.xy);
-    vec2  z       = texelFetch(dgb_z, pixel, 0).xy;
-    vec4  normals = texelFetch(dgb_normals, pixel, 0);
-    vec3  x       = dgb_position(gl_FragCoord.xy, z.x, dgb_reconstruct_camera);
-    vec3  n       = dgb_oct16_decode(normals.xy);
-
-    // the taps that lie in the shaded rectangle
+    // the taps that lie in the shaded rectangle; none where there is no surface
     ivec2 room_before = (pixel - dgb_reconstruct_rect.xy) / max(axis, 1);
     ivec2 room_after  = (dgb_reconstruct_rect.zw - pixel) / max(axis, 1);
-    int   side        = z.x > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;
+    int   side        = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;
     int   first       = -min(side, axis.x > 0 ? room_before.x : room_before.y);
     int   last        = min(side, axis.x > 0 ? room_after.x : room_after.y);
 
-    float total = dgb_reconstruct_weights[0].x;
-#if DGB_FILTER_AO
-    float ao = total * texelFetch(dgb_ao_raw, pixel, 0).x;
-#endif
-#if DGB_FILTER_IRRADIANCE
-    vec4 irradiance = total * dgb_weigh(texelFetch(dgb_irradiance_raw, pixel, 0));
-#endif
+    float total      = dgb_reconstruct_weights[0].x;
+    float ao         = total * s.ao;
+    vec4  irradiance = total * dgb_weigh(s.irradiance);
     for (int i = first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) { // every tap but the centre
-        ivec2 p      = pixel + i * axis;
-        vec3  y      = dgb_position(vec2(p) + 0.5, texelFetch(dgb_z, p, 0).x, dgb_reconstruct_camera);
-        float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).xy, i);
+        ivec2   p      = pixel + i * axis;
+        dgb_lit t      = dgb_lit_at(layer, p);
+        vec3    dq     = dgb_position(dgb_centre(layer, p), t.z, dgb_reconstruct_camera) - x;
+        float   weight = dgb_bilateral_weight(n, dgb_oct16_decode(t.normal), dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
+        // a factor for empty texels: a select between a read and none becomes a branch
+        weight *= dgb_reconstruct_weights[abs(i)].x * (t.z > DGB_EMPTY_Z ? 1.0 : 0.0);
         total += weight;
-#if DGB_FILTER_AO
-        ao += weight * texelFetch(dgb_ao_raw, p, 0).x;
-#endif
-#if DGB_FILTER_IRRADIANCE
-        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance_raw, p, 0));
-#endif
+        ao += weight * t.ao;
+        irradiance += vec4(t.irradiance.rgb * (weight * t.irradiance.a), weight * t.irradiance.a); // dgb_weigh
     }
-#if DGB_FILTER_AO
-    dgb_out_ao = vec4(ao / total);
-#endif
-#if DGB_FILTER_IRRADIANCE
-    irradiance         = dgb_unweigh(irradiance / total);
-    dgb_out_irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);
-#endif
+    irradiance   = dgb_unweigh(irradiance / total);
+    s.ao         = ao / total;
+    s.irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);
+    return s;
+}
 
+void main() {
+    ivec2   pixel = ivec2(gl_FragCoord.xy);
+    dgb_lit s     = dgb_filtered(0, pixel);
+#if DGB_AXIS == 0
+    dgb_out_half = dgb_texel(s);
 #if DGB_DEEP
-    // the second layer, where there is one: in a loop of its own, so that it costs nothing elsewhere
-    bool empty = !(z.y > DGB_EMPTY_Z);
-    x          = dgb_position(dgb_centre(1, pixel), z.y, dgb_reconstruct_camera);
-    n          = dgb_oct16_decode(normals.zw);
-    total      = dgb_reconstruct_weights[0].x;
-    irradiance = total * dgb_weigh(texelFetch(dgb_irradiance1_raw, pixel, 0));
-    for (int i = empty ? last + 1 : first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) {
-        ivec2 p      = pixel + i * axis;
-        vec3  y      = dgb_position(dgb_centre(1, p), texelFetch(dgb_z, p, 0).y, dgb_reconstruct_camera);
-        float weight = dgb_weight(x, n, y, texelFetch(dgb_normals, p, 0).zw, i);
-        total += weight;
-        irradiance += weight * dgb_weigh(texelFetch(dgb_irradiance1_raw, p, 0));
-    }
-    irradiance          = dgb_unweigh(irradiance / total);
-    dgb_out_irradiance1 = vec4(dgb_storable(irradiance.rgb), irradiance.a);
+    dgb_out_half1 = dgb_texel(dgb_filtered(1, pixel));
+#endif
+#else
+#if DGB_FILTER_AO
+    dgb_out_ao = vec4(s.ao);
+#endif
+#if DGB_FILTER_IRRADIANCE
+    dgb_out_irradiance = s.irradiance;
+#endif
+#if DGB_DEEP
+    dgb_out_irradiance1 = dgb_filtered(1, pixel).irradiance;
+#endif
 #endif
 }

@@ -8,6 +8,7 @@ layout(std140) uniform dgb_reflect_block {
     ivec4      dgb_reflect_rect; // where there is irradiance: x0, y0, x1, y1 inclusive
     vec4       dgb_reflect_ray;  // longest (m), thickness of a surface (m), pixels a step, z of the near plane (m)
     vec4       dgb_reflect_fade; // width of the border where confidence fades (pixels)
+    ivec4      dgb_reflect_skip; // log2 of the most steps skipped at once, of the least power of two >= pixels a step
 };
 
 uniform sampler2D dgb_z;
@@ -15,6 +16,9 @@ uniform sampler2D dgb_normals;
 uniform sampler2D dgb_b0;
 #if DGB_LAYERS > 1
 uniform sampler2D dgb_b1;
+#endif
+#if DGB_HIERARCHICAL
+uniform sampler2D dgb_ranges;
 #endif
 #if DGB_INDIRECT
 uniform sampler2D dgb_irradiance;
@@ -92,7 +96,12 @@ bool dgb_is_above(vec2 pixel, float z, dgb_ray ray) {
     return dot(v, ray.n) > DGB_MIN_COSINE * length(v);
 }
 
+// Where step i ends. Before the first lies the beginning.
+float dgb_step_end(dgb_ray ray, float jitter, int i) { return clamp((float(i) + jitter) * ray.step, 0.0, 1.0); }
+
 const int DGB_REFLECT_HALVINGS = 4; // of a step, once something is hit
+
+int dgb_lookups = 0; // texels that the march has read; only benchmarks look at it
 
 struct dgb_hit {
     int   layer; // -1: none
@@ -116,6 +125,7 @@ dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
     hit.s     = s;
     hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);
     vec2 zs   = texelFetch(dgb_z, hit.texel, 0).xy, thickness = dgb_thickness(zs);
+    ++dgb_lookups;
     bool first = dgb_is_behind(z, z_before, zs.x, thickness.x) && dgb_is_above(dgb_centre(0, hit.texel), zs.x, ray), second = false;
 #if DGB_LAYERS > 1
     second = dgb_is_behind(z, z_before, zs.y, thickness.y) && dgb_is_above(dgb_centre(1, hit.texel), zs.y, ray);
@@ -136,19 +146,80 @@ dgb_hit dgb_refined(dgb_hit hit, dgb_ray ray, float before) {
     return dgb_hit_at(ray, hit.s, dgb_ray_z(ray, before));
 }
 
-// The first hit.
-dgb_hit dgb_march(dgb_ray ray, float jitter) {
-    float   s = 0.0, z = dgb_ray_z(ray, 0.0);
+#if DGB_HIERARCHICAL
+const int   DGB_LOG2_RUN   = 2;              // of 4 steps, which are tested one by one when they cannot be skipped together
+const int   DGB_LOG2_CELL  = 2;              // of the 4 pixels of a cell of the finest ranges
+const float DGB_Z_ROUNDING = 1.0 / 262144.0; // relative: some 30 times that of the quotient in dgb_ray_z
+
+// Whether a step could hit a surface of a range, its z being low to high. Not if all of them lie behind it, nor if it begins
+// farther behind all of them than they are thick. NaN says nothing.
+bool dgb_may_hit(vec2 range, float low, float high) { return !(low > range.x || high < range.y - dgb_reflect_ray.y); }
+
+// Whether steps `first` to `last`, which together are shorter than a cell, hit nothing; z: where they begin and end. In between,
+// pixels are monotonic in every rounding, z all but monotonic.
+bool dgb_is_clear(dgb_ray ray, float jitter, int first, int last, vec2 z, int log2_cell) {
+    vec2  a = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, first)), b = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, last));
+    ivec2 corner = clamp(ivec2(min(a, b)), ivec2(0), dgb_reflect_size.xy - 1);
+    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);
+    float low = min(z.x, z.y), high = max(z.x, z.y);
+    low -= DGB_Z_ROUNDING * abs(low);
+    high += DGB_Z_ROUNDING * abs(high);
+    ++dgb_lookups;
+    bool hits = dgb_may_hit(range.xy, low, high);
+#if DGB_LAYERS > 1
+    hits = hits || dgb_may_hit(range.zw, low, high);
+#endif
+    return !hits;
+}
+
+// Skips steps from i on as long as the ranges tell that they hit nothing: twice as many after a success, half as many after a
+// failure. z: where step i begins.
+void dgb_skip(dgb_ray ray, float jitter, inout int i, inout float z) {
+    int log2_steps = min(DGB_LOG2_RUN, dgb_reflect_skip.x); // long steps: no cell is as long as a run
+    while (log2_steps >= DGB_LOG2_RUN && i < ray.steps) {
+        int   last  = min(i + (1 << log2_steps), ray.steps) - 1;
+        float z_end = dgb_ray_z(ray, dgb_step_end(ray, jitter, last));
+        bool  clear = dgb_is_clear(ray, jitter, i, last, vec2(z, z_end), log2_steps + dgb_reflect_skip.y);
+        i = clear ? last + 1 : i;
+        z = clear ? z_end : z;
+        log2_steps = clear ? min(log2_steps + 1, dgb_reflect_skip.x) : log2_steps - 1;
+    }
+}
+#endif
+
+// The first step from i on that hits; i moves behind it. The hierarchical tracer takes the same steps as the linear one, and
+// leaves out what cannot hit.
+dgb_hit dgb_next_hit(dgb_ray ray, float jitter, inout int i) {
+    float   z = dgb_ray_z(ray, dgb_step_end(ray, jitter, i - 1));
+    int     end = ray.steps;
     dgb_hit hit;
     hit.layer = -1;
     hit.s     = hit.depth = 0.0;
     hit.texel = ivec2(0);
-    for (int i = 0; i < (hit.layer < 0 ? ray.steps : 0); ++i) {
-        float before = s;
-        s   = min((float(i) + jitter) * ray.step, 1.0);
-        hit = dgb_hit_at(ray, s, z);
-        if (hit.layer >= 0) hit = dgb_refined(hit, ray, before);
-        z = dgb_ray_z(ray, s);
+#if DGB_HIERARCHICAL
+    while (hit.layer < 0 && i < ray.steps) {
+        dgb_skip(ray, jitter, i, z);
+        end = min(i + (1 << DGB_LOG2_RUN), ray.steps);
+#endif
+        for (; hit.layer < 0 && i < end; ++i) {
+            float s = dgb_step_end(ray, jitter, i);
+            hit     = dgb_hit_at(ray, s, z);
+            z       = dgb_ray_z(ray, s);
+        }
+#if DGB_HIERARCHICAL
+    }
+#endif
+    return hit;
+}
+
+// The first hit that stands.
+dgb_hit dgb_march(dgb_ray ray, float jitter) {
+    int     i   = 0;
+    dgb_hit hit = dgb_next_hit(ray, jitter, i);
+    while (hit.layer >= 0) {
+        hit = dgb_refined(hit, ray, dgb_step_end(ray, jitter, i - 2));
+        if (hit.layer >= 0) break;
+        hit = dgb_next_hit(ray, jitter, i);
     }
     return hit;
 }
@@ -214,6 +285,9 @@ void main() {
     vec3  there    = dgb_position(dgb_centre(int(second), hit.texel), second ? zs.y : zs.x, dgb_reflect_camera);
     dgb_out_reflection = trust > 0.0 ? vec4(dgb_storable(light), trust) : vec4(0.0);
     dgb_out_hit        = trust > 0.0 ? vec4(hit.layer + 1, min(length(there - x), DGB_MAX_RADIANCE), 0.0, 0.0) : vec4(0.0);
+#ifdef DGB_COUNT_LOOKUPS
+    dgb_out_hit.y = float(dgb_lookups);
+#endif
 #if DGB_GLOSSY
     dgb_out_hit.zw = dgb_octahedral(ray.direction);
 #endif

@@ -52,7 +52,8 @@ static void print_texture(record_text* text, const dgb_texture_desc* t) {
 static void print_pass(record_text* text, const dgb_plan_pass* pass) {
     int i;
     record_printf(text, "pass %s", dgb_pass_name(pass->id));
-    if (pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RECONSTRUCT) record_printf(text, " %d", pass->level);
+    if (pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RECONSTRUCT || pass->id == DGB_PASS_RANGE)
+        record_printf(text, " %d", pass->level);
     if (pass->program >= 0) record_printf(text, " #%d", pass->program);
     record_printf(text, ":");
     for (i = 0; i < pass->input_count; ++i) {
@@ -146,6 +147,16 @@ static void print_engine_section(record_text* text, int layers, uint32_t effects
     record_printf(text, "\n");
 }
 
+static void print_hierarchical_section(record_text* text, int layers) {
+    dgb_desc d = small_desc(layers, DGB_EFFECT_REFLECT);
+    dgb_plan plan;
+    d.tracer = DGB_TRACER_HIERARCHICAL;
+    plan = make_plan(&d);
+    record_printf(text, "== hierarchical tracer, layers %d\n", layers);
+    print_plan(text, &plan);
+    record_printf(text, "\n");
+}
+
 static void test_golden_plans(void** state) {
     record_text text = {0};
     uint32_t effects;
@@ -174,6 +185,7 @@ static void test_golden_plans(void** state) {
         print_built_section(&text, layers, DGB_EFFECT_REFLECT | DGB_EFFECT_RADIOSITY, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
+        print_hierarchical_section(&text, layers);
         print_built_section(&text, layers, GLOSSY, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
@@ -301,7 +313,7 @@ static void check_history(const dgb_desc* desc, const dgb_plan* plan) {
     check_texture(plan, DGB_IRRADIANCE1_MEAN, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_LAST_IRRADIANCE1, temporal && deep, DGB_FORMAT_RGBA16F);
     check_texture(plan, DGB_IRRADIANCE1_RAW, deep, DGB_FORMAT_RGBA16F);
-    check_texture(plan, DGB_IRRADIANCE1_HALF, deep, DGB_FORMAT_RGBA16F);
+    check_texture(plan, DGB_HALF1, deep, DGB_FORMAT_RGBA32UI);
     check_texture(plan, DGB_IRRADIANCE1, deep, DGB_FORMAT_RGBA16F);
     check_stage(plan, DGB_PASS_TEMPORAL, temporal && spiral);
 }
@@ -328,14 +340,15 @@ static void check_glossy(const dgb_desc* desc, const dgb_plan* plan) {
 }
 
 static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_plan* plan) {
-    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO_HALF, DGB_AO};
-    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_HALF, DGB_IRRADIANCE};
+    static const dgb_slot of_ao[] = {DGB_AO_RAW, DGB_AO};
+    static const dgb_slot of_light[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE};
     static const dgb_slot of_any[] = {DGB_Z, DGB_NORMALS};
     const bool ao = desc->effects & DGB_EFFECT_AO, light = (desc->effects & DGB_EFFECT_RADIOSITY) != 0;
     const bool reflect = (desc->effects & DGB_EFFECT_REFLECT) != 0, spiral = ao || light;
     size_t i;
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
-    for (i = 0; i < 3; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_ao[i]) != NULL, ao);
+    for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_light[i]) != NULL, light);
+    check_texture(plan, DGB_HALF, spiral, light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI); /* no light: half as wide */
     for (i = 0; i < 2; ++i) assert_int_equal(find_texture(plan, of_any[i]) != NULL, desc->effects != 0);
     assert_int_equal(find_texture(plan, DGB_ROTATIONS) != NULL, spiral);
     assert_int_equal(find_texture(plan, DGB_B0) != NULL, light || reflect);
@@ -350,6 +363,7 @@ static void check_effects_cost_only_what_is_on(const dgb_desc* desc, const dgb_p
     check_stage(plan, DGB_PASS_MIP, spiral);
     check_stage(plan, DGB_PASS_TILES, spiral && plan->layers > 1);
     check_stage(plan, DGB_PASS_RECONSTRUCT, spiral);
+    check_stage(plan, DGB_PASS_RANGE, reflect && desc->tracer == DGB_TRACER_HIERARCHICAL);
     check_stage(plan, DGB_PASS_REFLECT, reflect);
     check_history(desc, plan);
     check_glossy(desc, plan);
@@ -393,7 +407,7 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
         }
         for (k = 0; k < pass->output_count; ++k) {
             const dgb_texture_desc* t = find_texture(plan, pass->outputs[k]);
-            if (!t || (pass->id == DGB_PASS_MIP && pass->level >= t->levels))
+            if (!t || ((pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE) && pass->level >= t->levels))
                 fail_msg("pass %s writes %s", dgb_pass_name(pass->id), dgb_slot_name(pass->outputs[k]));
             written[pass->outputs[k]] = true;
         }
@@ -540,10 +554,10 @@ static void test_bytes_of_the_largest(void** state) {
     for (level = 0; level < 6; ++level) chain += pixels >> (2 * level);
     assert_true(bytes_of(&plan, DGB_ALBEDO) == pixels * 32);
     assert_true(bytes_of(&plan, DGB_ORACLE) == pixels * 32);
-    /* six layered targets; z, normals and two radiances with levels; three R8 and three RGBA16F; 256
+    /* six layered targets; z, normals and two radiances with levels; two R8, two RGBA16F, one RGBA32UI; 256
        rotations; two depth ranges and a class of each tile, a range of each region */
     assert_true(plan.bytes ==
-                6 * 32 * pixels + 20 * chain + 3 * pixels + 24 * pixels + 2048 + 20 * tiles + 16 * regions);
+                6 * 32 * pixels + 20 * chain + 2 * pixels + (16 + 16) * pixels + 2048 + 20 * tiles + 16 * regions);
 }
 
 /* k colour layers with their depth, and what the oracle takes: nothing, k depth layers, or 2 (k - 1). */
@@ -575,7 +589,7 @@ static void test_bytes_of_history(void** state) {
     static const struct {
         uint32_t effects;
         uint64_t images; /* of 8 bytes a pixel, besides last frame's z */
-    } rows[] = {{3 | 4, 3}, {3 | 8, 4}, {3 | 4 | 8, 3 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 3}};
+    } rows[] = {{3 | 4, 4}, {3 | 8, 4}, {3 | 4 | 8, 4 + 6}, {1 | 8, 2}, {2 | 8, 4}, {2 | 4, 4}};
     size_t i;
     (void)state;
     for (i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -666,13 +680,70 @@ static void test_senders_choose_the_program(void** state) {
     assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 1);
 }
 
+/* What the hierarchical tracer adds, and nothing else: without reflections nothing, else the ranges, from z to cells that are
+   no longer than the buffer. All levels have whole cells, also of a buffer that is not divisible. */
+static void check_tracer(dgb_desc d) {
+    const bool reflects = (d.effects & DGB_EFFECT_REFLECT) != 0;
+    const dgb_plan linear = make_plan(&d);
+    const dgb_texture_desc* ranges;
+    dgb_plan plan;
+    int longer, level;
+    uint64_t bytes = 0;
+    d.tracer = DGB_TRACER_HIERARCHICAL;
+    plan = make_plan(&d);
+    assert_null(find_texture(&linear, DGB_RANGES));
+    assert_false(has_pass(&linear, DGB_PASS_RANGE) || has_program(&linear, DGB_PASS_RANGE));
+    if (!reflects) {
+        assert_true(same_bits(&linear, &plan, sizeof plan));
+        return;
+    }
+    ranges = find_texture(&plan, DGB_RANGES);
+    longer = plan.width > plan.height ? plan.width : plan.height;
+    assert_int_equal(define_of(&linear, DGB_PASS_REFLECT, "DGB_HIERARCHICAL"), 0);
+    assert_int_equal(define_of(&plan, DGB_PASS_REFLECT, "DGB_HIERARCHICAL"), 1);
+    assert_non_null(ranges);
+    assert_int_equal(ranges->format, plan.layers > 1 ? DGB_FORMAT_RGBA32F : DGB_FORMAT_RG32F);
+    assert_true(ranges->levels == 1 || 4 << (ranges->levels - 1) <= longer);
+    assert_true(ranges->levels == DGB_MAX_LEVELS || 4 << ranges->levels > longer);
+    for (level = 0; level < ranges->levels; ++level) {
+        const int cell = 4 << level;
+        assert_int_equal(ranges->width % (1 << level), 0);
+        assert_int_equal(ranges->height % (1 << level), 0);
+        assert_true((ranges->width >> level) * cell >= plan.width && (ranges->height >> level) * cell >= plan.height);
+        bytes +=
+            (uint64_t)(ranges->width >> level) * (uint64_t)(ranges->height >> level) * (plan.layers > 1 ? 16u : 8u);
+    }
+    assert_true(ranges->bytes == bytes);
+    assert_int_equal(plan.texture_count, linear.texture_count + 1);
+    assert_int_equal(plan.pass_count, linear.pass_count + ranges->levels);
+    check_limits(&d, &plan);
+    check_bytes(&d, &plan);
+    check_passes_connect(&d, &plan);
+}
+
+static void test_tracer(void** state) {
+    static const int sizes[][2] = {{1, 1}, {3, 2}, {4, 4}, {5, 3}, {7, 900}, {63, 41}, {640, 360}, {16384, 1}};
+    uint32_t effects;
+    size_t i;
+    int layers;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects); ++layers)
+            for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+                dgb_desc d = small_desc(layers, effects);
+                d.width = sizes[i][0], d.height = sizes[i][1], d.guard_band = 0;
+                if (layers > 1) d.emission = DGB_EMISSION_IMAGE, d.oracle = DGB_ORACLE_PREDICT; /* the most passes */
+                check_tracer(d);
+            }
+}
+
 /* A lower resolution of the deeper layers is a matter of viewports and programs: no texture changes. */
 static void test_divisor(void** state) {
     static const struct {
         dgb_pass_id pass;
         int places;
     } users[] = {
-        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 1}};
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 2}};
     int divisor, i, k;
     size_t user;
     (void)state;
@@ -848,6 +919,8 @@ static const struct {
     {"senders 2", {SIZE, .senders = DGB_SENDERS_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser", {SIZE, .normaliser = BAD(dgb_normaliser)}, DGB_INVALID, DGB_LOG_ENUM},
     {"normaliser 2", {SIZE, .normaliser = DGB_NORMALISER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"tracer", {SIZE, .tracer = BAD(dgb_tracer)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"tracer 2", {SIZE, .tracer = DGB_TRACER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format 13", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -1076,6 +1149,8 @@ static void test_names(void** state) {
     assert_string_equal(dgb_pass_name(DGB_PASS_PREDICT), "predict");
     assert_string_equal(dgb_pass_name(DGB_PASS_RECONSTRUCT), "reconstruct");
     assert_string_equal(dgb_format_name(DGB_FORMAT_R32UI), "R32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RG32UI), "RG32UI");
+    assert_string_equal(dgb_format_name(DGB_FORMAT_RGBA32UI), "RGBA32UI");
     assert_string_equal(dgb_slot_name(DGB_PREDICTED), "predicted");
     assert_string_equal(dgb_slot_name(DGB_KEY), "key");
     assert_string_equal(dgb_emission_name(DGB_EMISSION_INSTANCED_GEOMETRY), "instanced-geometry");
@@ -1103,6 +1178,7 @@ int main(void) {
         cmocka_unit_test(test_depth_formats),
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_senders_choose_the_program),
+        cmocka_unit_test(test_tracer),
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),

@@ -236,6 +236,20 @@ static void print_shading(record_text* text, int layers, uint32_t effects) {
     record_text_free(&shading);
 }
 
+static void print_hierarchical_shading(record_text* text) {
+    fixture f;
+    configure(&f, constructions[6], 2, DGB_EFFECT_REFLECT);
+    f.desc.tracer = DGB_TRACER_HIERARCHICAL;
+    init(&f);
+    build(&f);
+    record_clear(&f.r);
+    shade(&f);
+    record_printf(text, "== shade, hierarchical tracer\n");
+    take_trace(&f, text);
+    record_printf(text, "\n");
+    stop(&f);
+}
+
 /* Three frames, whole: with two the textures that change places are back where they were. */
 static void print_history(record_text* text, int layers, uint32_t effects) {
     fixture f;
@@ -327,6 +341,7 @@ static void test_golden_traces(void** state) {
     print_shading(&text, 1, DGB_EFFECT_REFLECT);
     print_history(&text, 1, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, ALL_EFFECTS);
+    print_hierarchical_shading(&text);
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -1202,6 +1217,37 @@ static void test_gather_uniforms(void** state) {
         assert_true(fabsf(u->radius[3] - sqrtf(80.0f * 80.0f + 17.0f * 17.0f)) < 1e-4f);
         dgb_spiral_tap(255, 256, tap);
         assert_memory_equal(u->taps[255], tap, sizeof tap);
+        stop(&f);
+    }
+}
+
+/* As many steps at once as a cell of the coarsest ranges holds, and a cell that so many pixels fit into. */
+static void test_skip_uniforms(void** state) {
+    static const int sides[][2] = {{1, 1}, {7, 5}, {64, 48}, {600, 3}};
+    size_t i;
+    int stride;
+    (void)state;
+    for (i = 0; i < sizeof sides / sizeof sides[0]; ++i) {
+        fixture f;
+        configure(&f, constructions[6], 2, DGB_EFFECT_REFLECT);
+        f.desc.tracer = DGB_TRACER_HIERARCHICAL;
+        f.desc.width = sides[i][0], f.desc.height = sides[i][1], f.desc.guard_band = 0;
+        init(&f);
+        build(&f);
+        for (stride = 1; stride <= 64; ++stride) {
+            const int32_t* skip;
+            int coarsest = 4, k;
+            f.params.reflect_stride = stride;
+            for (k = 1; k < DGB_MAX_LEVELS && 2 * coarsest <= (sides[i][0] > sides[i][1] ? sides[i][0] : sides[i][1]);
+                 ++k)
+                coarsest *= 2;
+            record_clear(&f.r);
+            shade(&f);
+            skip = record_uniforms_of(&f.r, DGB_PASS_REFLECT, 0)->u.reflect.skip;
+            assert_in_range(skip[1], 0, 6);
+            assert_true(1 << skip[1] >= stride && 1 << skip[1] < 2 * stride);
+            assert_true(ldexp(1.0, skip[0] + skip[1]) == coarsest);
+        }
         stop(&f);
     }
 }
@@ -2418,6 +2464,7 @@ int main(void) {
         cmocka_unit_test(test_pack_uniforms),
         cmocka_unit_test(test_ao_uniforms),
         cmocka_unit_test(test_gather_uniforms),
+        cmocka_unit_test(test_skip_uniforms),
         cmocka_unit_test(test_reconstruction_uniforms),
         cmocka_unit_test(test_shaded_rectangle),
         cmocka_unit_test(test_normal_test_picks_the_program),

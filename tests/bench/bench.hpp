@@ -63,14 +63,14 @@ inline RenderCamera parse_camera(const std::string& text, RenderCamera camera) {
     return camera;
 }
 
-// The scene of an argument "file@camera", or the atrium for an empty one.
+// The scene of an argument "file@camera"; without a file, the atrium.
 inline View load_view(const std::string& argument) {
     View view;
     const size_t at = argument.find('@');
-    view.name = argument.empty() ? "atrium" : argument.substr(0, at);
+    view.name = at == 0 || argument.empty() ? "atrium" : argument.substr(0, at);
     view.name = view.name.substr(view.name.find_last_of('/') + 1);
     std::string error;
-    if (argument.empty()) {
+    if (argument.empty() || at == 0) {
         view.scene = make_atrium();
     } else if (!load_gltf(argument.substr(0, at), &view.scene, &error)) {
         throw std::runtime_error(error);

@@ -55,8 +55,8 @@ private:
 // A backend and a context. Neither may move: the context points to the backend, both point to `complaint`.
 class Library {
 public:
-    // clock: of the passes; null: they are not timed.
-    explicit Library(dgb_desc desc, PassClock* clock = nullptr) {
+    // clock: of the passes; null: they are not timed. counts: DGB_REFLECTION_HIT holds lookups in place of lengths.
+    explicit Library(dgb_desc desc, PassClock* clock = nullptr, bool counts = false) {
         dgbgl_desc gl_desc{};
         gl_desc.get_proc = headless_get_proc;
         gl_desc.no_timers = true; // a timer query may make a tiler flush
@@ -65,6 +65,8 @@ public:
         check(dgbgl_init(&backend_.gl, &gl_desc));
         backend_.clock = clock;
         backend_.gl.backend.marker = clock != nullptr ? mark : nullptr;
+        backend_.create = backend_.gl.backend.program_create;
+        if (counts) { backend_.gl.backend.program_create = create_counting; }
         desc.backend = &backend_.gl.backend;
         desc.log = [](void* user, dgb_result, dgb_log_item, const char* sentence) {
             static_cast<std::string*>(user)->append(sentence);
@@ -107,11 +109,18 @@ private:
     struct TimedBackend {
         dgbgl_backend gl; // first: the callbacks get its address
         PassClock* clock;
+        dgb_result (*create)(void*, const dgb_program_desc*, dgb_program*);
     };
 
     static void mark(void* user, dgb_pass_id pass, bool begin) {
         PassClock* clock = static_cast<const TimedBackend*>(user)->clock;
         begin ? clock->begin() : clock->end(dgb_pass_name(pass));
+    }
+
+    static dgb_result create_counting(void* user, const dgb_program_desc* desc, dgb_program* program) {
+        dgb_program_desc counting = *desc;
+        if (desc->pass == DGB_PASS_REFLECT) { counting.defines[counting.define_count++] = {"DGB_COUNT_LOOKUPS", 1}; }
+        return static_cast<const TimedBackend*>(user)->create(user, &counting, program);
     }
 
     void check(dgb_result result) const {

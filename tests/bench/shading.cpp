@@ -129,8 +129,10 @@ private:
 
 // ---- Baseline -------------------------------------------------------------------------------------------
 
-// What one would write with the paper on the desk and nothing else: Equations 3 to 5 over two layers of a common G-buffer,
-// depth as the device has it, normals and radiance in half floats, then a separable bilateral filter.
+// What one would write with the paper on the desk and nothing else: each equation as it stands, on a common G-buffer: depth as
+// the device has it, normals and radiance in half floats, positions from depth by the inverse projection. No sorting, no MIP
+// levels, no packing, no tables; but counts and sharpnesses are constants, so that a compiler may unroll the loops and fold
+// what does not depend on the pixel. The gather: Equations 4 and 5 over two layers, taps on the spiral of section 3.4.
 const char* const kBaselineGather = R"(
 uniform sampler2D u_depth0, u_depth1;
 uniform sampler2D u_normal0, u_normal1;
@@ -191,32 +193,47 @@ void main() {
 }
 )";
 
+// The reconstruction that section 3.1 asks for, separable: a Gaussian times the weight of the normals times that of the planes.
+// dgb_bilateral_weight in deepgbuffer.h states the two. A texel beyond the border is the border's, the sky weighs nothing.
 const char* const kBaselineBlur = R"(
 uniform sampler2D u_depth0;
 uniform sampler2D u_normal0;
 uniform sampler2D u_irradiance;
 uniform mat4 u_camera_from_clip;
+uniform vec3 u_size; // pixels
 uniform vec3 u_axis;
 
 layout(location = 0) out vec4 out_irradiance;
 
-float camera_z(float depth) {
-    vec4 p = u_camera_from_clip * vec4(0.0, 0.0, depth * 2.0 - 1.0, 1.0);
-    return p.z / p.w;
+vec3 position(vec2 pixel, float depth) {
+    vec4 p = u_camera_from_clip * vec4(vec3(pixel / u_size.xy, depth) * 2.0 - 1.0, 1.0);
+    return p.xyz / p.w;
+}
+
+float bilateral_weight(vec3 dq, vec3 n_x, vec3 n_y) {
+    float normal = max(1.0 - NORMAL_SHARPNESS * (1.0 - dot(n_x, n_y)), 0.0);
+    float away = length(dq);
+    float off = max(abs(dot(dq, n_x)), abs(dot(dq, n_y)));
+    float plane = away > 1e-6 ? max(1.0 - PLANE_SHARPNESS * off / away, 0.0) : 1.0;
+    return normal * plane * plane;
 }
 
 void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
-    float z = camera_z(texelFetch(u_depth0, here, 0).r);
+    float depth = texelFetch(u_depth0, here, 0).r;
+    out_irradiance = vec4(0.0);
+    if (depth == 1.0) return;
+    vec3 x = position(gl_FragCoord.xy, depth);
     vec3 n = texelFetch(u_normal0, here, 0).xyz;
     vec4 sum = vec4(0.0);
     float total = 0.0;
     for (int i = -SIDE; i <= SIDE; ++i) {
-        ivec2 tap = clamp(here + i * ivec2(u_axis.xy), ivec2(0), textureSize(u_depth0, 0) - 1);
-        float away = abs(camera_z(texelFetch(u_depth0, tap, 0).r) - z);
-        float alike = max(1.0 - 4.0 * (1.0 - dot(n, texelFetch(u_normal0, tap, 0).xyz)), 0.0);
-        float weight = exp(-float(i * i) * (2.0 / float(SIDE * SIDE))) * max(1.0 - 20.0 * away / -z, 0.0) * alike;
-        weight += i == 0 ? 1e-4 : 0.0;
+        ivec2 tap = clamp(here + i * ivec2(u_axis.xy), ivec2(0), ivec2(u_size.xy) - 1);
+        float tap_depth = texelFetch(u_depth0, tap, 0).r;
+        vec3 dq = position(vec2(tap) + 0.5, tap_depth) - x;
+        float weight = exp(-float(i * i) * (2.0 / float(SIDE * SIDE)));
+        weight *= bilateral_weight(dq, n, texelFetch(u_normal0, tap, 0).xyz);
+        if (tap_depth == 1.0) weight = 0.0;
         sum += weight * texelFetch(u_irradiance, tap, 0);
         total += weight;
     }
@@ -280,12 +297,15 @@ Baseline::Baseline(const Picture& picture, const dgb_params& params)
         normals_.push_back(make_half_floats(layers, decoded_normals(layers, i)));
         radiances_.push_back(make_half_floats(layers, pixels_of(layers, DGB_RADIANCE, i, GL_RGB, 3)));
     }
-    const std::string taps = std::to_string(params.samples);
-    const std::string turns = std::to_string(dgb_spiral_turns(params.samples));
-    const std::string side = std::to_string(params.filter_taps / 2);
-    gather_ = make_fullscreen_program("baseline gather",
-                                      "#define TAPS " + taps + "\n#define TURNS " + turns + "\n" + kBaselineGather);
-    blur_ = make_fullscreen_program("baseline blur", "#define SIDE " + side + "\n" + kBaselineBlur);
+    const auto define = [](const char* name, auto value) {
+        return std::string("#define ") + name + " " + std::to_string(value) + "\n";
+    };
+    gather_ = make_fullscreen_program("baseline gather", define("TAPS", params.samples) +
+                                                             define("TURNS", dgb_spiral_turns(params.samples)) +
+                                                             kBaselineGather);
+    blur_ = make_fullscreen_program(
+        "baseline blur", define("SIDE", params.filter_taps / 2) + define("NORMAL_SHARPNESS", params.normal_sharpness) +
+                             define("PLANE_SHARPNESS", params.plane_sharpness) + kBaselineBlur);
     for (int i = 0; i < 2; ++i) {
         targets_[i] = make_target(GL_RGBA16F, layers.width(), layers.height());
         framebuffers_[i] = make_target_framebuffer(targets_[i]);
@@ -297,6 +317,7 @@ void Baseline::bind_layers(GLuint program) const {
     bind_texture(program, "u_depth0", 0, GL_TEXTURE_2D, layers.texture(DGB_DEPTH, 0));
     bind_texture(program, "u_normal0", 1, GL_TEXTURE_2D, normals_[0].name());
     set_uniform(program, "u_camera_from_clip", glm::inverse(picture_.projection));
+    set_uniform(program, "u_size", glm::vec3(float(layers.width()), float(layers.height()), 0.0f));
 }
 
 void Baseline::gather() const {
@@ -309,7 +330,6 @@ void Baseline::gather() const {
     bind_texture(program, "u_normal1", 3, GL_TEXTURE_2D, normals_[1].name());
     bind_texture(program, "u_radiance0", 4, GL_TEXTURE_2D, radiances_[0].name());
     bind_texture(program, "u_radiance1", 5, GL_TEXTURE_2D, radiances_[1].name());
-    set_uniform(program, "u_size", glm::vec3(float(layers.width()), float(layers.height()), 0.0f));
     set_uniform(program, "u_radius", radius_);
     set_uniform(program, "u_pixels_per_metre", 0.5f * float(layers.height()) * picture_.projection[1][1]);
     glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -26,7 +26,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
          camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps
-         reflect-steps reflect-distance reflect-thickness roughness'
+         reflect-steps reflect-distance reflect-thickness tracer roughness'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -56,6 +56,11 @@ check "its bytes add up"                     plan_adds_up
 check "--plan of the widest picture"         plan --size 16384x16 --guard 0
 check "its bytes add up"                     plan_adds_up
 
+check "--plan of the linear tracer"          plan --effects reflect
+check "it has no ranges"                     plan_lacks range ranges
+check "--plan of the hierarchical tracer"    plan --effects reflect --tracer hierarchical
+check "it names its pass and texture"        plan_names range ranges
+check "its bytes add up"                     plan_adds_up
 check "--plan of PREDICT and image emission"  plan --oracle predict --emit image --layers 4 --size 160x90
 check "it names their passes and textures"   plan_names predict image resolve key predicted
 check "its bytes add up"                     plan_adds_up
@@ -108,6 +113,7 @@ refused_values --exposure    nan 31 bright
 refused_values --reflect-steps     0 -1 4097 1.5 many ''
 refused_values --reflect-distance  0 -1 nan inf far ''
 refused_values --reflect-thickness 0 -1 nan inf thick ''
+refused_values --tracer      fast 1 ''
 refused_values --roughness   -0.1 1.1 nan inf rough ''
 refused_values --frames      0 -1 1.5 few
 refused_values --orbit       nan 361 left
@@ -417,6 +423,12 @@ check "--emit geometry renders"                hash_of --emit geometry
 check "--effects none, another picture"        another --effects none
 check "--effects ao,gi,reflect, the same picture" same --effects ao,gi,reflect
 check "--effects reflect renders"              hash_of --effects reflect
+mirror_image() { # OPTION...: a file of what every mirror shows
+    "$render" --size 160x90 --guard 16 --frames 1 --effects reflect --dump reflection=mirror_image.pfm "$@" >/dev/null &&
+        cksum <mirror_image.pfm
+}
+same_mirror_image() { [ "$(mirror_image --tracer linear)" = "$(mirror_image --tracer hierarchical)" ]; }
+check "--tracer hierarchical, the same mirror image" same_mirror_image
 check "--effects glossy, another picture"      another --effects ao,gi,glossy
 check "--roughness without glossy, the same picture" same --roughness 0.1
 hits() { # OPTION...: pixels whose mirrored ray meets something

@@ -589,6 +589,7 @@ static void test_timers(void** state) {
     int frame, pass;
     (void)state;
     d.effects |= DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
+    d.tracer = DGB_TRACER_HIERARCHICAL;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     program = fixture_program(&c);
     for (frame = 0; frame < 4; ++frame) {

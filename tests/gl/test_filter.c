@@ -87,8 +87,8 @@ static void read_results(bench* b, const dgb_context* c) {
     int i;
     free_results(b);
     b->ao_out = read_image(b, c, DGB_AO, GL_RED, 1);
-    b->half[0] = read_image(b, c, DGB_IRRADIANCE_HALF, GL_RGBA, 4);
-    b->half[1] = read_image(b, c, DGB_IRRADIANCE1_HALF, GL_RGBA, 4);
+    b->half[0] = fixture_read_half(dgb_get_texture(c, DGB_HALF), b->m.width, b->m.height, NULL);
+    b->half[1] = fixture_read_half(dgb_get_texture(c, DGB_HALF1), b->m.width, b->m.height, NULL);
     b->out[0] = read_image(b, c, DGB_IRRADIANCE, GL_RGBA, 4);
     b->out[1] = read_image(b, c, DGB_IRRADIANCE1, GL_RGBA, 4);
     b->z = read_image(b, c, DGB_Z, GL_RG, 2);
@@ -158,6 +158,8 @@ static void compare(const bench* b, int layer, int axis) {
                            e.value[i] + e.error[i]);
         }
     tally_report(&t);
+    /* what the library rounds itself is off by 1/4 of an ulp on average; truncated it were by 1/2 */
+    if (axis == 0 && t.pixels > 1000) assert_true(t.sum <= 0.3 * t.pixels);
 }
 
 /* Two walls and a slope behind them, with holes, and light from an integer hash. */

@@ -1,4 +1,4 @@
-/* Mirror reflections against rays and planes in double precision. Layers made up texel by texel; every texel's radiance says
+/* Mirror reflections by either tracer against rays and planes in double precision. Layers made up texel by texel; every texel's radiance says
    where it lies, so that a reflection tells exactly what was hit. */
 #include "gl_images.h"
 
@@ -15,6 +15,7 @@
 #define OTHERS (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL)
 
 static fixture f;
+static dgb_tracer tracer; /* of every context; all tests run with each */
 
 static const double radian = 3.14159265358979323846 / 180.0;
 
@@ -60,6 +61,7 @@ static stage open_stage(const setup* p) {
     d = images_desc(&s.m, p->guard, p->layers, p->effects, &f.gl.backend);
     d.reversed = p->reversed;
     d.clip = p->clip;
+    d.tracer = tracer;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
@@ -115,7 +117,7 @@ static void direction_to(const stage* s, const double x[3], double direction[3])
     for (i = 0; i < 3; ++i) direction[i] = perspective ? x[i] / length : i == 2 ? -1.0 : 0.0;
 }
 
-/* z of a plane in a pixel; 1 where it is behind the eye, farther than 50 m, or turned away. */
+/* z of a plane in a pixel; 1 where it is nearer to the eye than a centimetre, farther than 50 m, or turned away. */
 static double plane_z(const stage* s, const plane* p, const double pixel[2]) {
     double a[3], b[3], u[3], t;
     int i;
@@ -123,7 +125,7 @@ static double plane_z(const stage* s, const plane* p, const double pixel[2]) {
     position_of(s, pixel, -2.0, b);
     for (i = 0; i < 3; ++i) u[i] = b[i] - a[i]; /* a metre of z */
     t = (p->d - dot(p->n, a)) / dot(p->n, u);
-    return dot(p->n, u) < 0.0 && t > -0.8 && t < 49.0 ? -1.0 - t : 1.0;
+    return dot(p->n, u) < 0.0 && t > -0.99 && t < 49.0 ? -1.0 - t : 1.0;
 }
 
 static void put(stage* s, int layer, int x, int y, double z, const double n[3]) {
@@ -337,6 +339,54 @@ static void test_mirror(void** state) {
     misses += check_mirror(&flat, floor, wall);
     misses += check_mirror(&flat_guarded, floor, wall);
     assert_true(misses > 200);
+}
+
+/* A mirror that leans by 45 degrees sends what an orthographic camera sees along the image, but for a degree that the normal
+   cannot tell, towards the eye or away. */
+static void test_parallel_to_the_image(void** state) {
+    static const setup flat = {97, 53, 0, 2, DGB_EFFECT_REFLECT, 0.0f, true, DGB_CLIP_ZERO_TO_ONE};
+    const plane wall = plane_of(-15.0, 135.0, 0.0);
+    (void)state;
+    check_mirror(&flat, plane_of(-12.0, 44.5, 0.0), wall);
+    check_mirror(&flat, plane_of(-12.0, 45.5, 0.0), wall);
+}
+
+/* A floor 2 cm below the eye: a good part of it is nearer than the near plane. */
+static void test_before_the_near_plane(void** state) {
+    plane floor = plane_of(0.0, 0.0, 0.0);
+    const double centre[2] = {31.5, 3.5};
+    stage s = open_stage(&plain);
+    (void)state;
+    floor.d = -0.02;
+    assert_true(plane_z(&s, &floor, centre) > -0.05); /* the near plane is at -0.1 */
+    close_stage(&s);
+    check_mirror(&plain, floor, plane_of(-10.0, 90.0, 0.0));
+}
+
+/* The two sides of a ridge, each of which sends its rays away from the other; at the border they leave the image at once. */
+static void test_out_of_the_image(void** state) {
+    const plane sides[2] = {plane_of(-10.0, 90.0, 40.0), plane_of(-10.0, 90.0, -40.0)};
+    int guard, x, y;
+    (void)state;
+    for (guard = 0; guard <= 6; guard += 6) {
+        setup p = plain;
+        stage s;
+        result r;
+        p.guard = guard;
+        s = open_stage(&p);
+        for (y = 0; y < s.m.height; ++y)
+            for (x = 0; x < s.m.width; ++x) {
+                const double centre[2] = {x + 0.5, y + 0.5};
+                const plane* side = &sides[2 * x < s.m.width];
+                put_empty(&s, 1, x, y);
+                put(&s, 0, x, y, plane_z(&s, side, centre), side->n);
+            }
+        s.params.reflect_thickness = 100.0f;
+        r = shade(&s);
+        assert_int_equal(count_hits(&s, &r), 0);
+        drop(&r);
+        close_stage(&s);
+    }
 }
 
 /* Nothing is beside a plane to be mirrored by it. */
@@ -810,6 +860,33 @@ static void test_no_mirror(void** state) {
     }
 }
 
+/* A normal that is none counts as one that faces the eye. */
+static void test_nan_normals(void** state) {
+    plane planes[2];
+    stage s = open_stage(&plain);
+    const size_t bytes = (size_t)(4 * plain.width * plain.height) * sizeof(float);
+    result facing, none;
+    int i, kind;
+    (void)state;
+    floor_and_wall(planes);
+    for (kind = 0; kind < 2; ++kind) {
+        put_planes(&s, planes, 2);
+        for (i = 0; i < plain.width * plain.height; i += kind ? 1 : 3) { /* all, or every third */
+            float* n = s.m.texels[IMAGE_NORMAL][0] + 3 * i;
+            n[0] = n[1] = 0.0f, n[2] = 1.0f;
+        }
+        facing = shade(&s);
+        for (i = 0; i < plain.width * plain.height; i += kind ? 1 : 3) s.m.texels[IMAGE_NORMAL][0][3 * i] = NAN;
+        none = shade(&s);
+        check_range(&s, &none);
+        assert_memory_equal(facing.reflection, none.reflection, bytes);
+        assert_memory_equal(facing.hit, none.hit, bytes);
+        if (kind == 0) assert_true(count_hits(&s, &none) > 200);
+        drop(&facing), drop(&none);
+    }
+    close_stage(&s);
+}
+
 static uint32_t random_state = 1u;
 
 static uint32_t random_bits(void) {
@@ -884,6 +961,9 @@ static int close_context(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_parallel_to_the_image),
+        cmocka_unit_test(test_before_the_near_plane),
+        cmocka_unit_test(test_out_of_the_image),
         cmocka_unit_test(test_no_self_hits),
         cmocka_unit_test(test_second_layer),
         cmocka_unit_test(test_thickness),
@@ -895,8 +975,12 @@ int main(void) {
         cmocka_unit_test(test_bounced_light),
         cmocka_unit_test(test_indirect_light),
         cmocka_unit_test(test_no_mirror),
+        cmocka_unit_test(test_nan_normals),
         cmocka_unit_test(test_any_input),
         cmocka_unit_test(test_no_messages),
     };
-    return cmocka_run_group_tests(tests, open_context, close_context);
+    int failed = cmocka_run_group_tests_name("linear", tests, open_context, close_context);
+    tracer = DGB_TRACER_HIERARCHICAL;
+    failed += cmocka_run_group_tests_name("hierarchical", tests, open_context, close_context);
+    return failed;
 }

@@ -177,10 +177,9 @@ static void read_shot(shot* s, const dgb_params* q) {
     s->radiance[0] = read_level(s, DGB_B0, 0);
     s->radiance[1] = s->r.layers > 1 ? read_level(s, DGB_B1, 0) : NULL;
     s->ao_raw = read_image(c, DGB_AO_RAW, 0, GL_RED, 1);
-    s->ao_half = read_image(c, DGB_AO_HALF, 0, GL_RED, 1);
     s->ao = read_image(c, DGB_AO, 0, GL_RED, 1);
     s->irradiance_raw = read_image(c, DGB_IRRADIANCE_RAW, 0, GL_RGBA, 4);
-    s->irradiance_half = read_image(c, DGB_IRRADIANCE_HALF, 0, GL_RGBA, 4);
+    s->irradiance_half = fixture_read_half(dgb_get_texture(c, DGB_HALF), c->plan.width, c->plan.height, &s->ao_half);
     s->irradiance = read_image(c, DGB_IRRADIANCE, 0, GL_RGBA, 4);
     reference_open(&s->r, c, s->z, s->normals, (const float* const*)s->radiance);
 }

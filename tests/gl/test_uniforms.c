@@ -73,8 +73,8 @@ static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dg
 
 static const member reflect_members[] = {
     CAMERA("dgb_reflect_camera", dgb_reflect_uniforms, camera), VALUE("dgb_reflect_size", dgb_reflect_uniforms, size),
-    VALUE("dgb_reflect_rect", dgb_reflect_uniforms, rect), VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray),
-    VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade)};
+    VALUE("dgb_reflect_rect", dgb_reflect_uniforms, rect),      VALUE("dgb_reflect_ray", dgb_reflect_uniforms, ray),
+    VALUE("dgb_reflect_fade", dgb_reflect_uniforms, fade),      VALUE("dgb_reflect_skip", dgb_reflect_uniforms, skip)};
 
 static const member glossy_members[] = {CAMERA("dgb_glossy_camera", dgb_glossy_uniforms, camera),
                                         VALUE("dgb_glossy_rect", dgb_glossy_uniforms, rect),
@@ -114,7 +114,7 @@ static const block* block_of(const dgb_program_desc* program) {
     case DGB_PASS_RECONSTRUCT: return &blocks[3];
     case DGB_PASS_REFLECT: return &blocks[7];
     case DGB_PASS_GLOSSY: return &blocks[8];
-    default: return NULL; /* the MIP pass has no block */
+    default: return NULL; /* the MIP and RANGE passes have no block */
     }
 }
 
@@ -189,6 +189,7 @@ static void test_passes(void** state) {
                 (effects & 48) == DGB_EFFECT_GLOSSY)
                 continue; /* nothing to bounce, to average, to mirror */
             d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
+            d.tracer = effects & DGB_EFFECT_AO ? DGB_TRACER_HIERARCHICAL : DGB_TRACER_LINEAR;
             check_programs(&d, seen);
             d.source = DGB_SOURCE_ENGINE;
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {

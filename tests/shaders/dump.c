@@ -158,6 +158,9 @@ int main(int argc, char** argv) {
                     write_plan(argv[1], &desc);
                 }
             desc.divisor = 1;
+            desc.tracer = DGB_TRACER_HIERARCHICAL; /* brings ranges */
+            write_plan(argv[1], &desc);
+            desc.tracer = DGB_TRACER_LINEAR;
             desc.emission = DGB_EMISSION_IMAGE; /* brings resolve */
             write_plan(argv[1], &desc);
             desc.emission = DGB_EMISSION_AUTO;

@@ -339,3 +339,30 @@ float* fixture_read(dgb_texture texture, int level, int layer, int width, int he
     if (layers) memmove(all, all + image * (size_t)layer, image * sizeof(float));
     return all;
 }
+
+/* A number of 6 bits of exponent and 10 of mantissa. */
+static float unpack(uint32_t code) {
+    const int exponent = (int)(code >> 10);
+    return exponent ? (float)ldexp(1024.0 + (code & 1023u), exponent - 57) : 0.0f;
+}
+
+float* fixture_read_half(dgb_texture texture, int width, int height, float** ao) {
+    const size_t count = (size_t)width * (size_t)height;
+    uint32_t* texels;
+    float* light;
+    size_t i, k;
+    if (!texture.id) return NULL;
+    texels = (uint32_t*)malloc(4 * count * sizeof *texels);
+    light = (float*)malloc(4 * count * sizeof *light);
+    if (ao) *ao = (float*)malloc(count * sizeof **ao);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(texture));
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, texels);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    for (i = 0; i < count; ++i) {
+        for (k = 0; k < 4; ++k) light[4 * i + k] = unpack(texels[4 * i + 2 + k / 2] >> (16 * (k % 2)) & 0xffffu);
+        if (ao) (*ao)[i] = (float)(texels[4 * i + 1] >> 16) / 65535.0f;
+    }
+    free(texels);
+    return light;
+}

@@ -53,6 +53,10 @@ void fixture_draw(void* user, const dgb_draw* draw);
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
                     int channels);
 
+/* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient visibility,
+   unless null. Caller frees both. Null where there is no such texture. */
+float* fixture_read_half(dgb_texture texture, int width, int height, float** ao);
+
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);
 

@@ -398,6 +398,7 @@ static size_t uniform_size(dgb_pass_id pass) {
     case DGB_PASS_REFLECT: return sizeof(dgb_reflect_uniforms);
     case DGB_PASS_GLOSSY: return sizeof(dgb_glossy_uniforms);
     case DGB_PASS_MIP:
+    case DGB_PASS_RANGE:
     case DGB_PASS_COUNT: break;
     }
     return 0;

@@ -1,0 +1,59 @@
+#!/bin/sh
+# The shaders as compiled for a GPU, by the table that gpu_cost writes: registers, spills, and whether the table can be
+# trusted. Skips where libvulkan, the driver or glslangValidator is missing. Prints TAP.
+
+cd "$(dirname "$0")/../.." || exit 1
+. tests/support/tap.sh
+program=build/release/tests/gpu_cost/gpu_cost
+table=$dir/gpu_cost.csv
+
+if [ ! -x $program ]; then echo "1..0 # SKIP libvulkan is missing"; exit 0; fi
+$program "$dir" >"$dir/printed" 2>&1
+status=$?
+why=$(sed -n 's/^gpu_cost: skipped: //p' "$dir/printed")
+if [ -n "$why" ]; then echo "1..0 # SKIP $why"; exit 0; fi
+
+compiles() { cat "$dir/printed"; [ $status -eq 0 ]; }
+
+# rows EXPRESSION: variants for which it holds; columns go by their names. Exit status 1: there are none.
+rows() {
+    condition=$(echo "$1" | tr '\n' ' ')
+    awk -F, "NR == 1 { for (i = 1; i <= NF; ++i) at[\$i] = i; next }
+             { for (name in at) is[name] = \$at[name]; if ($condition) { print is[\"variant\"]; ++found } }
+             END { exit !found }" "$table"
+}
+none() { rows "$1"; [ $? -eq 1 ]; }
+
+check "every variant compiles" compiles
+for pass in pack mip tiles ao gather temporal reconstruct reflect; do
+    check "$pass is in the table" rows "is[\"pass\"] == \"$pass\""
+done
+
+# A vector register spills to memory; a scalar one to a lane of a vector register, which costs two instructions: pack,
+# with its many uniforms, may.
+check "no vector register spills"                    none 'is["vgpr_spills"] > 0'
+check "no scalar register spills but of pack"        none 'is["sgpr_spills"] > 0 && is["pass"] != "pack"'
+# A SIMD shares 512 registers among its waves of 64 pixels: 32 leave it 16 waves, all that it can hold, to hide fetches
+# with; 48 leave 10, 72 leave 7.
+check "occlusion takes 32 registers at most"         none 'is["pass"] == "ao" && is["vgprs"] > 32'
+check "bounced light takes 48"                       none '
+    is["pass"] == "gather" && is["variant"] !~ /deep/ && is["vgprs"] > 48'
+check "72 where the second layer receives as well"   none 'is["pass"] == "gather" && is["vgprs"] > 72'
+
+# The driver counts the few instructions behind the branches around the loops for a half or three quarters: less than
+# 1 %.
+check "our account of instructions is the driver's"  none '(is["pass"] == "ao" || is["pass"] == "gather") &&
+    (is["our_inverse_throughput"] - is["inverse_throughput"]) ^ 2 > (0.01 * is["inverse_throughput"]) ^ 2'
+# 16 x 16 texels of RG32F: a loop over rows, within which columns are unrolled
+check "texels and bytes within loops are counted"    rows '
+    is["variant"] == "tiles tiles_step=0" && is["fetches_balanced"] == 256 && is["bytes_balanced"] == 2048'
+# z, normals, two radiances
+check "texels and bytes outside of loops as well"    rows '
+    is["variant"] == "mip layers=2 pack_radiance=1" && is["fetches_balanced"] == 4 && is["bytes_balanced"] == 20'
+# 30 taps against 13; each fetches z and radiance
+check "taps are those of the preset"                 rows '
+    is["variant"] == "gather layers=1" && is["fetches_quality"] - is["fetches_performance"] == 34'
+check "the second layer costs nothing in tiles where it cannot matter"  rows '
+    is["variant"] == "gather layers=2" && is["cycles_layer_0_balanced"] < 0.9 * is["cycles_balanced"]'
+
+echo "1..$tests"
