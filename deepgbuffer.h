@@ -474,7 +474,7 @@ typedef enum dgb_format {
     X(DGB_REFLECTION_FRAMES, "reflection_frames")                                                                        \
     X(DGB_LAST_REFLECTION_FRAMES, "last_reflection_frames")                                                              \
     X(DGB_REFLECTION,                                                                                                    \
-      "reflection") /* rgb: radiance that a mirror would show; a: confidence, 0 where the ray hits nothing */            \
+      "reflection") /* rgb: radiance that the mirror or the lobe shows; a: confidence, 0 where no ray hits anything */   \
     /* r: layer hit + 1, 0 for none; g: length of the ray, m; GLOSSY: b, a: its direction in camera space, octahedral */ \
     X(DGB_REFLECTION_HIT, "reflection_hit")
 

@@ -202,6 +202,10 @@ static void test_density(void** state) {
         to_double(fv, v), to_double(fn, n), to_double(fl, l);
         expected = reference_density(v, n, l, alpha);
         got = (double)dgb_ggx_density(fv, fn, fl, (float)alpha);
+        if (expected == 0.0) { /* no microfacet is turned that far */
+            assert_true(got == 0.0);
+            continue;
+        }
         /* h turns by about 2^-24 / v.h with the last bits of its parts: a share of alpha, which the fourth power of the
            density's tail quadruples */
         worst = fmax(worst, fabs(got / expected - 1.0) / (4e-7 / (alpha * dot(v, h)) + 2e-6));
