@@ -28,7 +28,7 @@ vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
-CPPFLAGS += -I. -Iexamples -Itests/support -Itests/reference $(third_party)
+CPPFLAGS += -I. -Iexamples -Itests/support -Itests/reference -Itests/bench $(third_party)
 CFLAGS   := -std=c99 -pedantic $(warnings) -ffp-contract=off $(flags)
 CXXFLAGS := -std=c++17 $(warnings) -ffp-contract=off $(flags)
 export CC CXX
@@ -64,7 +64,7 @@ example_tests := $(wildcard tests/examples/*.sh)
 # >> targets
 
 .PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests embed embed-check shaders-check format format-fix tidy clean
+        gpu-tests reference-tests trade embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -119,6 +119,9 @@ bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAME
 
 gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table, and build/gpu_cost.csv
 	@$(if $(vulkan),$(gpu_cost),echo "gpu-cost: skipped: libvulkan is missing (Debian, Ubuntu: libvulkan-dev)")
+
+trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="FILE@CAMERA ..." in place of the procedural ones
+	@$< $(if $(QUICK),--quick) $(SCENES)
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))
@@ -212,6 +215,10 @@ $(filter-out $(reference_benchmarks),$(benchmarks)): $(B)/%: $(B)/obj/%.o $(B)/s
 embree = -lembree$(if $(shell $(CXX) -E -include embree4/rtcore.h -x c++ /dev/null >/dev/null 2>&1 && echo yes),4,3)
 
 $(reference_benchmarks): $(B)/%: $(B)/obj/%.o $(B)/reference.a $(B)/support.a $(B)/examples.a
+	$(call say,link)
+	$(call link,$(CXX),egl epoxy $(gltf)) $(embree) -pthread
+
+$(B)/trade: $(call objects,$(wildcard tests/trade/*.cpp)) $(B)/reference.a $(B)/support.a $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),egl epoxy $(gltf)) $(embree) -pthread
 

@@ -1,4 +1,4 @@
-// Two layers that a renderer built and lit, as the textures of an engine: every contender shades the very same ones, and they
+// One or two layers that a renderer built and lit, as the textures of an engine: every contender shades the very same ones, and they
 // are drawn once, however many contenders there are.
 #pragma once
 
@@ -13,16 +13,19 @@ public:
 
     // The renderer's image is the contenders' buffer, guard band included. It must have lit its layers.
     explicit EngineLayers(const SceneRenderer& renderer)
-        : width_(renderer.plan().width), height_(renderer.plan().height) {
-        for (auto& layer : textures_) {
-            for (size_t i = 0; i < kTargets.size(); ++i) { layer[i] = make_storage(kTargets[i].format); }
+        : width_(renderer.plan().width), height_(renderer.plan().height),
+          layers_(std::min(renderer.plan().layers, kLayers)) {
+        for (int layer = 0; layer < layers_; ++layer) {
+            for (size_t i = 0; i < kTargets.size(); ++i) {
+                textures_[size_t(layer)][i] = make_storage(kTargets[i].format);
+            }
         }
         take(renderer);
     }
 
     void take(const SceneRenderer& renderer) {
         glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-        for (int layer = 0; layer < kLayers; ++layer) {
+        for (int layer = 0; layer < layers_; ++layer) {
             for (size_t i = 0; i < kTargets.size(); ++i) {
                 const Target& target = kTargets[i];
                 const std::vector<float> pixels = renderer.read_texture(target.slot, layer, target.read_as);
@@ -87,6 +90,6 @@ private:
         return texture;
     }
 
-    int width_, height_;
+    int width_, height_, layers_;
     std::array<std::array<GlObject, kTargets.size()>, kLayers> textures_;
 };
