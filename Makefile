@@ -93,12 +93,12 @@ demo: ## set up, build and render the atrium into build/demo
 	$(demo_commands)
 
 test: setup ## set up, build and run every test
-	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests
+	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests build/release/trade
 	@$(MAKE) config=sanitize core-tests
 	@$(MAKE) config=fastmath core-tests
 	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
-	    $(call reference_tests,release) $(example_tests)
+	    $(call reference_tests,release) tests/trade/trade.sh $(example_tests)
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)

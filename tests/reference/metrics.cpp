@@ -37,7 +37,8 @@ Kernel make_kernel() {
     Kernel kernel{};
     double sum = 0.0;
     for (size_t i = 0; i < kernel.size(); ++i) {
-        const double x = double(i % kWindow) - double(kWindow / 2), y = double(i / kWindow) - double(kWindow / 2);
+        const auto column = int(i % kWindow), row = int(i / kWindow), middle = int(kWindow / 2);
+        const double x = column - middle, y = row - middle;
         kernel[i] = std::exp(-(x * x + y * y) / (2.0 * kSigma * kSigma));
         sum += kernel[i];
     }

@@ -79,7 +79,8 @@ void test_unbiased_error(void**) {
 Pixels waves(size_t width, size_t height, float mean, float amplitude) {
     Pixels pixels(width * height);
     for (size_t i = 0; i < pixels.size(); ++i) {
-        pixels[i] = mean + amplitude * std::sin(1.3f * float(i % width)) * std::sin(0.9f * float(i / width));
+        const size_t x = i % width, y = i / width;
+        pixels[i] = mean + amplitude * std::sin(1.3f * float(x)) * std::sin(0.9f * float(y));
     }
     return pixels;
 }

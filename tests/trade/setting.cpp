@@ -1,7 +1,6 @@
 #include "setting.hpp"
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 #include <iterator>
 #include <random>
@@ -11,12 +10,10 @@ namespace {
 constexpr float kRoom = 15.0f; // metres: the size of a scene from which on lengths are taken as they are
 constexpr const char* kPresets[] = {"performance", "balanced", "quality"};
 
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
+template <typename... Values>
+std::string text(const char* format, Values... values) {
     char buffer[256];
-    va_list arguments;
-    va_start(arguments, format);
-    std::vsnprintf(buffer, sizeof buffer, format, arguments);
-    va_end(arguments);
+    std::snprintf(buffer, sizeof buffer, format, values...);
     return buffer;
 }
 
@@ -66,8 +63,9 @@ std::vector<Change> all_changes() {
     std::vector<Change> changes;
     add<set_layers, all>(&changes, "layers", {1, 2});
     add<set_separation, all>(&changes, "separation", {0.0, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0});
-    add<set_oracle, all>(&changes, "oracle",
-                         {DGB_ORACLE_PEEL, DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREDICT});
+    add<set_oracle, all>(
+        &changes, "oracle",
+        {DGB_ORACLE_PEEL, DGB_ORACLE_PREVIOUS, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREDICT, DGB_ORACLE_WARP});
     add<set_divisor, all>(&changes, "divisor", {1, 2, 4});
     add<set_taps, gathers>(&changes, "taps", {4, 8, 14, 20, 30, 60, 98});
     add<set_radius, gathers>(&changes, "radius", {0.5, 0.71, 1.41, 2.0});
@@ -90,9 +88,19 @@ void add_unless_there(std::vector<Setting>* settings, Setting setting) {
     if (!there) { settings->push_back(std::move(setting)); }
 }
 
+std::string value_text(const Change& change) {
+    const std::string name = change.name;
+    const auto i = int(change.value);
+    if (name == "oracle") { return dgb_oracle_name(dgb_oracle(i)); }
+    if (name == "senders") { return i == DGB_SENDERS_BOTH ? "both" : "strongest"; }
+    if (name == "normaliser") { return i == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; }
+    if (name == "tracer") { return i == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; }
+    return text("%g", change.value);
+}
+
 Setting changed(Setting setting, const Change& change) {
     change.apply(&setting, change.value);
-    setting.varied = text("%s=%g", change.name, change.value);
+    setting.varied = change.name + ("=" + value_text(change));
     return setting;
 }
 

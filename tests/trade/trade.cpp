@@ -1,5 +1,5 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--questions] [--size WxH] [--random COUNT] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...
+//     trade [--quick] [--questions] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //
@@ -704,6 +704,8 @@ Plan parse(const std::vector<std::string>& words) {
             }
         } else if (words[i] == "--random") {
             plan.random_count = std::max(std::atoi(number().c_str()), 0); // NOLINT
+        } else if (words[i] == "--rays") {
+            plan.samples = std::max(std::atoi(number().c_str()), 16); // NOLINT
         } else if (words[i] == "--seed") {
             plan.seed = uint32_t(std::strtoul(number().c_str(), nullptr, 10));
         } else if (words[i].compare(0, 2, "--") == 0) {

@@ -1,0 +1,57 @@
+#!/bin/sh
+# build/release/trade in its quick form: what it writes is whole and finite, it goes on where it stopped, and what everybody
+# should find in it is there. Prints TAP.
+
+cd "$(dirname "$0")/../.." || exit 1
+. tests/support/tap.sh
+trade=$PWD/build/release/trade
+cd "$dir" || exit 1
+
+sweep() { "$trade" --quick >table && [ -s build/trade/trade.csv ]; }
+check "the quick sweep" sweep
+
+finite() { # no cell is empty but the parameter of a preset, and every measure is a number
+    awk -F, 'NR == 1 { n = NF; next }
+             { ++rows; if (NF != n) exit 1; for (i = 7; i <= NF; ++i) if ($i !~ /^-?[0-9.]+(e[-+][0-9]+)?$/) exit 1 }
+             END { exit rows < 24 }' build/trade/trade.csv
+}
+check "24 rows and more, all finite" finite
+
+front() { awk -F, '$NF == 1 { seen[$3] = 1 } END { exit !(seen["ao"] && seen["irradiance"] && seen["reflection"]) }' build/trade/trade.csv; }
+check "every effect has a front" front
+
+# measure EFFECT VARIED COLUMN: of the quick sweep's only scene
+measure() {
+    awk -F, -v effect="$1" -v varied="$2" -v name="$3" 'NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i }
+        $3 == effect && $5 == varied { print $(column[name]) }' build/trade/trade.csv
+}
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a + 0 < b + 0) }'; }
+second_layer() { less "$(measure ao '' rmse)" "$(measure ao layers=1 rmse)"; }
+check "occlusion is nearer to the truth with two layers than with one" second_layer
+second_mirror() { less "$(measure reflection '' wrong)" "$(measure reflection layers=1 wrong)"; }
+check "fewer mirrored hits are wrong with two layers" second_mirror
+more_taps() { less "$(measure ao taps=60 rmse)" "$(measure ao taps=4 rmse)"; }
+check "more taps, less error" more_taps
+bytes() { less "$(measure ao layers=1 bytes)" "$(measure ao '' bytes)"; }
+check "one layer takes fewer bytes" bytes
+
+resume() {
+    lines=$(wc -l <build/trade/rows.csv)
+    sed -i '$d' build/trade/rows.csv && printf 'atrium,160x90,ao,cut' >>build/trade/rows.csv # cut off in the middle
+    "$trade" --quick >table && grep -q ' 1 to measure' table && [ "$(tail -n +2 build/trade/trade.csv | wc -l)" -eq "$lines" ]
+}
+check "what is there is not measured again" resume
+
+questions() {
+    "$trade" --questions --quick >answers &&
+        awk -F, 'NR > 1 { seen[$2] = 1 } END { exit !(seen["layers"] && seen["ladder"] && seen["pattern"] && seen["turns"]) }' \
+            build/trade/questions.csv
+}
+check "the questions are answered" questions
+
+refused() { ! "$trade" "$@" 2>err && [ "$(wc -l <err)" -eq 1 ]; }
+check "an unknown option is refused"  refused --fast
+check "a size that is none is refused" refused --size 10x10
+check "a scene that is not there is refused" refused --quick nowhere.glb
+
+echo "1..$tests"
