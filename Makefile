@@ -64,7 +64,7 @@ example_tests := $(wildcard tests/examples/*.sh)
 # >> targets
 
 .PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests trade embed embed-check shaders-check format format-fix tidy clean
+        gpu-tests reference-tests trade budget embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -122,6 +122,9 @@ gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table
 
 trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="FILE@CAMERA ..." in place of the procedural ones
 	@$< $(if $(QUICK),--quick) $(SCENES)
+
+budget: $(B)/trade ## measure the settings of which dgb_preset_for picks, and write its table; SCENES="FILE@CAMERA ..."
+	@$< --budget $(SCENES)
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))

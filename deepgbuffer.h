@@ -679,6 +679,12 @@ typedef enum dgb_preset_id {
        BALANCED      14       11            yes           2              50 %
        QUALITY       30       13            yes           0              80 %                                        */
 DGB_API dgb_params dgb_preset(dgb_preset_id id);
+/* What gave the least error for a cost, by measurement: the parameters of BALANCED, with the taps, MIP levels, filter and
+   steps of the settings that nothing cheaper beat in the sweep (`make budget`; error against ray tracing, scenes averaged).
+   budget: time to shade two layers as a ratio to BALANCED's, on the machine of the sweep, for each of `effects`
+   (DGB_EFFECT_*); about 0.3 to 3, below and above the cheapest and the most exact. NaN, or 0 and less: the cheapest. With
+   occlusion and light both, the filter is the light's. */
+DGB_API dgb_params dgb_preset_for(float budget, uint32_t effects);
 
 /* --- backend ------------------------------------------------------------------------------------------------------ */
 
@@ -1502,6 +1508,61 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.filter_step = 1;
     p.normal_sharpness = 4.0f;
     p.plane_sharpness = 2.0f;
+    return p;
+}
+
+typedef struct dgbi_budget {
+    float cost;
+    int taps, min_level, filter_taps;
+    bool normal_test;
+} dgbi_budget;
+
+typedef struct dgbi_mirror_budget {
+    float cost;
+    int stride;
+} dgbi_mirror_budget;
+
+/* clang-format off */
+/* budget: begin; written by `make budget`, do not edit */
+static const dgbi_budget dgbi_ao_budget[] = {
+    {1.0f, 16, 0, 11, true},
+};
+static const dgbi_budget dgbi_light_budget[] = {
+    {1.0f, 14, 2, 11, true},
+};
+static const dgbi_mirror_budget dgbi_reflect_budget[] = {
+    {1.0f, 2},
+};
+/* budget: end */
+/* clang-format on */
+
+#define DGBI_COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
+
+/* The last row that costs no more; the first if all do. */
+static const dgbi_budget* dgbi_afford(const dgbi_budget* rows, int count, float budget) {
+    int i = 0;
+    while (i + 1 < count && rows[i + 1].cost <= budget) ++i;
+    return rows + i;
+}
+
+DGB_API dgb_params dgb_preset_for(float budget, uint32_t effects) {
+    dgb_params p = dgb_preset(DGB_PRESET_BALANCED);
+    int i = 0;
+    if (effects & DGB_EFFECT_AO) {
+        const dgbi_budget* row = dgbi_afford(dgbi_ao_budget, DGBI_COUNT(dgbi_ao_budget), budget);
+        p.ao_samples = row->taps;
+        p.ao_min_level = row->min_level;
+        p.filter_taps = row->filter_taps;
+    }
+    if (effects & DGB_EFFECT_RADIOSITY) {
+        const dgbi_budget* row = dgbi_afford(dgbi_light_budget, DGBI_COUNT(dgbi_light_budget), budget);
+        p.samples = row->taps;
+        p.min_level = row->min_level;
+        p.filter_taps = row->filter_taps;
+        p.normal_test = row->normal_test;
+    }
+    while (i + 1 < DGBI_COUNT(dgbi_reflect_budget) && dgbi_reflect_budget[i + 1].cost <= budget) ++i;
+    if (effects & DGB_EFFECT_REFLECT) p.reflect_stride = dgbi_reflect_budget[i].stride;
     return p;
 }
 

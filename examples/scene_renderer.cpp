@@ -143,7 +143,7 @@ uniform sampler2D u_irradiance;
 uniform sampler2D u_reflection;
 uniform int u_has_ao;
 uniform int u_has_irradiance;
-uniform int u_has_reflection; // of rough surfaces
+uniform int u_has_reflection; // 1: of mirrors only; 2: of rough surfaces as well
 uniform float u_confidence; // negative: that of the irradiance
 uniform int u_guard;        // pixels
 uniform float u_empty_depth;
@@ -184,9 +184,12 @@ float environment_brdf(float roughness, float metallic, float cosine) {
     return mix(0.04, 0.9, metallic) * scale_bias.x + scale_bias.y;
 }
 
+const float ROUGHEST_MIRROR = 0.3; // on which a mirror's sharp image fades out
+
 // material: roughness, metallic. Where no ray of the lobe hit anything, the sky, blurred to its irradiance.
 vec3 mirrored(vec3 normal, vec3 view, vec2 material, float visibility, vec4 reflection) {
     vec3 l = reflect(view, normal);
+    if (u_has_reflection == 1) reflection.a *= max(1.0 - material.x / ROUGHEST_MIRROR, 0.0);
     vec3 environment = visibility * mix(sky_radiance(l), probe_radiance(l), material.x);
     float cosine = clamp(-dot(view, normal), 0.0, 1.0);
     return environment_brdf(material.x, material.y, cosine) * dgb_mirror(environment, reflection);
@@ -522,7 +525,7 @@ void SceneRenderer::composite(std::optional<float> confidence) {
     bind_if_there("u_irradiance", 4, DGB_IRRADIANCE);
     bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
     bind_if_there("u_reflection", 6, DGB_REFLECTION);
-    set_uniform(program, "u_has_reflection", int(has(DGB_REFLECTION_RAW)));
+    set_uniform(program, "u_has_reflection", has(DGB_REFLECTION_RAW) ? 2 : int(has(DGB_REFLECTION)));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_confidence", confidence.value_or(-1.0f));

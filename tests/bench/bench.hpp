@@ -46,24 +46,33 @@ inline std::vector<float> weigh(const std::vector<float>& rgba) {
 
 // ---- Views ----------------------------------------------------------------------------------------------
 
+// High enough to reach the floor of a court. Irradiance is compared relative to its mean, which must not be close to nothing.
+constexpr float kSunDirection[3] = {0.25f, 0.9f, 0.3f};
+
 struct View {
     std::string name;
     Scene scene;
     RenderCamera camera;
+    glm::vec3 to_sun{kSunDirection[0], kSunDirection[1], kSunDirection[2]};
 };
 
-inline RenderCamera parse_camera(const std::string& text, RenderCamera camera) {
-    glm::vec3 &e = camera.eye, &t = camera.target;
+// ex,ey,ez,tx,ty,tz,fov and, for light through a window, the direction to the sun: ,sx,sy,sz.
+inline void parse_camera(const std::string& text, View* view) {
+    glm::vec3 e, t, s;
     float degrees = 0.0f;
-    const int count =
-        std::sscanf(text.c_str(), "%f,%f,%f,%f,%f,%f,%f", &e.x, &e.y, &e.z, &t.x, &t.y, &t.z, &degrees); // NOLINT
-    if (count != 7) { throw std::runtime_error("a camera is ex,ey,ez,tx,ty,tz,fov: " + text); }
-    camera.up = upright(t - e);
-    camera.vertical_fov = glm::radians(degrees);
-    return camera;
+    const int count = std::sscanf(text.c_str(), "%f,%f,%f,%f,%f,%f,%f,%f,%f,%f", &e.x, &e.y, &e.z, &t.x, // NOLINT
+                                  &t.y, &t.z, &degrees, &s.x, &s.y, &s.z);
+    if (count != 7 && count != 10) {
+        throw std::runtime_error("a camera is ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]: " + text);
+    }
+    view->camera.eye = e;
+    view->camera.target = t;
+    view->camera.up = upright(t - e);
+    view->camera.vertical_fov = glm::radians(degrees);
+    if (count == 10) { view->to_sun = s; }
 }
 
-// The scene of an argument "file@camera"; without a file, the atrium.
+// The scene of an argument "file@camera", with or without a sun; without a file, the atrium.
 inline View load_view(const std::string& argument) {
     View view;
     const size_t at = argument.find('@');
@@ -77,13 +86,10 @@ inline View load_view(const std::string& argument) {
     }
     view.camera = view.scene.cameras.empty() ? framing_camera(view.scene, kAspect)
                                              : camera_of_file(view.scene.cameras[0], view.scene);
-    if (at != std::string::npos) { view.camera = parse_camera(argument.substr(at + 1), view.camera); }
+    if (at != std::string::npos) { parse_camera(argument.substr(at + 1), &view); }
     set_planes(view.scene, &view.camera);
     return view;
 }
-
-// High enough to reach the floor of a court. Irradiance is compared relative to its mean, which must not be close to nothing.
-constexpr float kSunDirection[3] = {0.25f, 0.9f, 0.3f};
 
 struct Motion {
     float metres;  // that the eye moves in a frame, root mean square

@@ -1,6 +1,6 @@
 // What a guard band is good for: the error of occlusion and bounced light near the image's border, under a panning camera,
 // against a very wide band.
-//     guard_band [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...      always: the atrium
+//     guard_band [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...      always: the atrium
 //
 // A pixel's taps are turned by its place in the buffer, band included, so that no two bands take the same taps: even between
 // very wide bands some error is left, which is that noise. Light reaches metres, so a narrow band shows far inside as well.
@@ -94,7 +94,7 @@ void print_table(const View& view, int frames, const std::array<Errors, kBands.s
 void run(const std::string& argument, int frames) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    SceneLights lights(view.scene, scene, {sun_light(glm::make_vec3(kSunDirection), 4.0f)});
+    SceneLights lights(view.scene, scene, {sun_light(view.to_sun, 4.0f)});
     lights.update(*scene.first_pose());
     PassTimes times(false);
     std::vector<std::unique_ptr<SceneRenderer>> renderers;

@@ -1,6 +1,6 @@
 // How right mirrors are: the rays of the library against rays traced through the scene itself, with one layer and with two, by
 // the linear and by the hierarchical tracer.
-//     mirrors [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...      always: the gallery's mirrors, the atrium's floor
+//     mirrors [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...      always: the gallery's mirrors, the atrium's floor
 //
 // Scenes of the command line get a polished floor. Every mirrored pixel is asked for the ray that the library follows, from
 // the position and the normal that its G-buffer holds, so that what differs is the tracing alone. A hit is right when it lies
@@ -60,12 +60,12 @@ Subject make_floor_subject(const std::string& argument) {
     Subject subject;
     subject.view = load_view(argument);
     if (argument.empty()) { // from the court: the default camera stands on the gallery
-        subject.view.camera = parse_camera("10.5,1.7,2.2,-8,2.6,-2.5,60", subject.view.camera);
+        parse_camera("10.5,1.7,2.2,-8,2.6,-2.5,60", &subject.view);
         set_planes(subject.view.scene, &subject.view.camera);
     }
     subject.is_mirror = is_floor;
     subject.lights = subject.view.scene.lights;
-    if (subject.lights.empty()) { subject.lights = {sun_light(glm::make_vec3(kSunDirection), 4.0f)}; }
+    if (subject.lights.empty()) { subject.lights = {sun_light(subject.view.to_sun, 4.0f)}; }
     return subject;
 }
 

@@ -1,5 +1,5 @@
 // How far each oracle is from exact peeling while the camera moves, and the objects with it where the scene is animated.
-//     oracles [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...      always: the atrium
+//     oracles [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...      always: the atrium
 //
 // Every oracle builds three layers of every frame, each compared with PEEL's of the same pose; layer 1 is what two layers
 // would give. Emission is by separate draws, the same for all, so that what differs is the oracle's doing. DELAY shows a
@@ -48,8 +48,7 @@ constexpr size_t kPeel = 0, kPrevious = 1, kReproject = 2, kWarp = 3, kPredictTr
 class Stage {
 public:
     explicit Stage(const std::string& argument)
-        : view_(load_view(argument)), gpu_(view_.scene),
-          lights_(view_.scene, gpu_, {sun_light(glm::make_vec3(kSunDirection), 4.0f)}) {}
+        : view_(load_view(argument)), gpu_(view_.scene), lights_(view_.scene, gpu_, {sun_light(view_.to_sun, 4.0f)}) {}
 
     const std::string& name() const { return view_.name; }
     // Gives the second view of a scene another name than the first.

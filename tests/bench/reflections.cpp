@@ -1,5 +1,5 @@
 // What mirror reflections cost: the linear tracer against the hierarchical one, and one layer against two, at equal steps.
-//     reflections [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...      without a scene: the atrium, along its floor
+//     reflections [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...      without a scene: the atrium, along its floor
 //
 // The contenders take turns frame by frame and shade the same layers, in which every surface is a mirror. Figures are medians:
 // of times, or of ratios within a turn; the clock is the process's own where the renderer is software, else the wall's. The
@@ -165,7 +165,7 @@ const char* const kAlongTheFloor = "@-15,1.7,0,0,1,0,70";
 void run(const std::string& argument, bool quick) {
     const View view = load_view(argument.empty() ? kAlongTheFloor : argument);
     const GpuScene scene(view.scene);
-    SceneLights lights(view.scene, scene, {sun_light(glm::make_vec3(kSunDirection), 4.0f)});
+    SceneLights lights(view.scene, scene, {sun_light(view.to_sun, 4.0f)});
     lights.update(*scene.first_pose());
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
     RendererDesc desc;

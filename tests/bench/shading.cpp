@@ -1,5 +1,5 @@
 // What each pass costs with one layer and with two, and what a straightforward port of the paper costs.
-//     shading [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...      without a scene: the atrium
+//     shading [--quick] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...      without a scene: the atrium
 //
 // Absolute times mean little on a software rasteriser on a busy machine, so the contenders take turns frame by frame and
 // every figure is a median: of times, or of ratios within a turn. The clock is the process's own where the renderer is
@@ -608,7 +608,7 @@ void write_csv(std::FILE* csv, const View& view, Taps taps, const Measured& m) {
 void run(const std::string& argument, bool quick, std::FILE* csv) {
     const View view = load_view(argument);
     const GpuScene scene(view.scene);
-    SceneLights lights(view.scene, scene, {sun_light(glm::make_vec3(kSunDirection), 4.0f)});
+    SceneLights lights(view.scene, scene, {sun_light(view.to_sun, 4.0f)});
     lights.update(*scene.first_pose());
     const int preset_taps = dgb_preset(DGB_PRESET_BALANCED).samples;
     for (const Taps taps : {Taps{16, preset_taps}, Taps{32, 30}}) {

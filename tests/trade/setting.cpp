@@ -199,6 +199,39 @@ std::vector<Setting> few_settings() {
     return settings;
 }
 
+std::vector<Setting> budget_settings() {
+    std::vector<Setting> settings;
+    const auto add = [&](Setting setting) {
+        setting.around = "budget";
+        setting.varied = "all";
+        add_unless_there(&settings, std::move(setting));
+    };
+    for (const Effect effect : {Effect::occlusion, Effect::light}) {
+        add_unless_there(&settings, preset_setting(effect, DGB_PRESET_BALANCED));
+        for (const int taps : {4, 6, 8, 11, 14, 20, 30, 45, 64, 98}) {
+            for (const int filter_taps : {1, 5, 9, 13, 21}) {
+                for (const int min_level : {0, 2, 4}) {
+                    for (const bool normal_test : {true, false}) {
+                        Setting setting = preset_setting(effect, DGB_PRESET_BALANCED);
+                        set_taps(&setting, taps);
+                        set_min_level(&setting, min_level);
+                        setting.params.filter_taps = filter_taps;
+                        setting.params.normal_test = normal_test;
+                        add(setting);
+                    }
+                }
+            }
+        }
+    }
+    add_unless_there(&settings, preset_setting(Effect::mirror, DGB_PRESET_BALANCED));
+    for (const int stride : {1, 2, 3, 4, 6, 8, 12, 16}) {
+        Setting setting = preset_setting(Effect::mirror, DGB_PRESET_BALANCED);
+        setting.params.reflect_stride = stride;
+        add(setting);
+    }
+    return settings;
+}
+
 dgb_params scaled(dgb_params params, float size) {
     const float share = std::min(size / kRoom, 1.0f);
     for (float* length : {&params.separation, &params.ao_radius, &params.radius, &params.reflect_thickness}) {

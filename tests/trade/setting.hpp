@@ -35,6 +35,9 @@ std::vector<Setting> all_settings(int random_count, uint32_t seed);
 // 24 of the most telling.
 std::vector<Setting> few_settings();
 
+// Every combination of what dgb_preset_for chooses: taps, MIP level, filter, normal test; step and tracer of mirrors.
+std::vector<Setting> budget_settings();
+
 // The separation and the radii of the presets suit rooms: scenes smaller than that get smaller ones. size: metres.
 dgb_params scaled(dgb_params params, float size);
 

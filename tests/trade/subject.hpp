@@ -1,4 +1,4 @@
-// A scene and its light, by name: the procedural ones, or FILE[@ex,ey,ez,tx,ty,tz,fov].
+// A scene and its light, by name: the procedural ones, or FILE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]].
 #pragma once
 
 #include "bench.hpp"
@@ -23,6 +23,6 @@ inline Subject load_subject(const std::string& argument) {
         subject.view = load_view(argument == "atrium" ? std::string() : argument);
     }
     subject.lights = subject.view.scene.lights;
-    if (subject.lights.empty()) { subject.lights = {sun_light(glm::make_vec3(kSunDirection), 4.0f)}; }
+    if (subject.lights.empty()) { subject.lights = {sun_light(subject.view.to_sun, 4.0f)}; }
     return subject;
 }

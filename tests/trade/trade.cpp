@@ -1,8 +1,10 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--questions] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov]]...
+//     trade [--quick] [--questions | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //
+// --budget: in place of the sweep, the settings of which dgb_preset_for picks; writes tests/trade/budget.csv and the table in
+// deepgbuffer.h; --check-budget says whether the two agree.
 // --questions: in place of the sweep, what a sweep cannot answer (questions.hpp); writes build/trade/questions.csv.
 //
 // Truth, by rays (tests/reference), for the fourth frame of a camera that walks and turns:
@@ -15,6 +17,7 @@
 // Errors of the first two are relative to nothing: AO is a share, irradiance is divided by the true mean. No temporal filter.
 // Cost is time to shade, as a ratio to the BALANCED preset with two layers, measured in turns in one process; cost_built adds
 // the time to build the layers to both.
+#include "budget.hpp"
 #include "engine_layers.hpp"
 #include "metrics.hpp"
 #include "questions.hpp"
@@ -47,7 +50,7 @@ struct Plan {
     int width = 320, height = 180;
     int random_count = 200;
     uint32_t seed = 1;
-    bool questions = false;
+    bool questions = false, budget = false, check_budget = false;
     int samples = 1024, turns = 5; // rays a pixel of the truth; timed frames
     std::vector<std::string> scenes;
     float aspect() const { return float(width) / float(height); }
@@ -695,6 +698,9 @@ Plan parse(const std::vector<std::string>& words) {
             plan.height = 90;
             plan.samples = 64;
             plan.turns = 3;
+        } else if (words[i] == "--budget" || words[i] == "--check-budget") {
+            plan.budget = words[i] == "--budget";
+            plan.check_budget = !plan.budget;
         } else if (words[i] == "--questions") {
             plan.questions = true;
         } else if (words[i] == "--size") {
@@ -728,6 +734,33 @@ void answer(const Plan& plan) {
     std::printf("\nbuild/trade/questions.csv\n");
 }
 
+// From where the header and its table stand.
+constexpr const char* kHeader = "deepgbuffer.h";
+constexpr const char* kBudget = "tests/trade/budget.csv";
+
+void write_budget(const std::vector<Row>& rows, const std::vector<Setting>& settings) {
+    std::vector<BudgetRow> budget;
+    for (const Setting& setting : settings) {
+        Worth worth;
+        for (const Row& row : rows) {
+            const Row* base = preset_row(rows, row);
+            if (row.effect == name_of(setting.effect) && row.key == key_of(setting) && base != nullptr) {
+                worth.add(row, *base);
+            }
+        }
+        if (worth.scenes > 0) { budget.push_back(budget_row(setting, worth.of(worth.cost), worth.of(worth.error))); }
+    }
+    write_budget(kBudget, budget);
+    const bool same = embed_budget(kHeader, budget, false);
+    std::printf("%s, %s%s\n", kBudget, kHeader, same ? " (as before)" : "");
+}
+
+void check_budget() {
+    if (!embed_budget(kHeader, read_budget(kBudget), true)) {
+        throw std::runtime_error("deepgbuffer.h does not hold the table of tests/trade/budget.csv");
+    }
+}
+
 void run(const Options& options) {
     std::vector<std::string> words = options.scenes;
     if (options.quick) { words.insert(words.begin(), "--quick"); }
@@ -738,11 +771,21 @@ void run(const Options& options) {
         answer(plan);
         return;
     }
-    const std::vector<Setting> settings = plan.quick ? few_settings() : all_settings(plan.random_count, plan.seed);
+    if (plan.check_budget) {
+        check_budget();
+        return;
+    }
+    const std::vector<Setting> settings = plan.budget  ? budget_settings()
+                                          : plan.quick ? few_settings()
+                                                       : all_settings(plan.random_count, plan.seed);
     std::vector<Row> rows = read_rows("build/trade/rows.csv");
     std::vector<std::string> scenes;
     for (const std::string& scene : plan.scenes) { sweep(scene, plan, settings, &rows, &scenes); }
     std::vector<Row> ordered = in_order(rows, scenes, plan, settings);
+    if (plan.budget) {
+        write_budget(ordered, settings);
+        return;
+    }
     mark_fronts(&ordered);
     write_csv(ordered);
     print_presets(ordered);

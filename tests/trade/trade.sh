@@ -5,6 +5,9 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/support/tap.sh
 trade=$PWD/build/release/trade
+
+budget() { "$trade" --check-budget; }
+check "the table of budgets in the header is that of budget.csv" budget
 cd "$dir" || exit 1
 
 sweep() { "$trade" --quick >table && [ -s build/trade/trade.csv ]; }

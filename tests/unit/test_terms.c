@@ -564,6 +564,35 @@ static void test_presets(void** state) {
     check_preset(DGB_PRESET_COUNT, 14, 11, true, 2, 0.5f);
 }
 
+/* Work of a pixel, in taps: what a budget buys. */
+static int work_of(const dgb_params* p) { return p->ao_samples + p->samples + 4 * p->filter_taps; }
+
+static bool same_params(dgb_params a, dgb_params b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+static void test_presets_for_a_budget(void** state) {
+    static const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_REFLECT;
+    const dgb_params least = dgb_preset_for(0.0f, all), most = dgb_preset_for(INFINITY, all);
+    float budget;
+    (void)state;
+    assert_true(same_params(dgb_preset_for(1.0f, 0), dgb_preset(DGB_PRESET_BALANCED))); /* nothing to choose for */
+    assert_true(same_params(dgb_preset_for(NAN, all), least));
+    assert_true(same_params(dgb_preset_for(-1.0f, all), least));
+    assert_true(work_of(&least) < work_of(&most) && least.reflect_stride > most.reflect_stride);
+    for (budget = 0.0f; budget < 4.0f; budget += 0.05f) {
+        const dgb_params p = dgb_preset_for(budget, all), light = dgb_preset_for(budget, DGB_EFFECT_RADIOSITY);
+        assert_in_range(p.ao_samples, 1, DGB_MAX_TAPS);
+        assert_in_range(p.samples, 1, DGB_MAX_TAPS);
+        assert_in_range(p.min_level, 0, DGB_MAX_LEVELS - 1);
+        assert_in_range(p.ao_min_level, 0, DGB_MAX_LEVELS - 1);
+        assert_in_range(p.filter_taps, 1, 2 * DGB_MAX_FILTER_RADIUS + 1);
+        assert_int_equal(p.filter_taps % 2, 1);
+        assert_in_range(p.reflect_stride, 1, 64);
+        assert_int_equal(p.filter_taps, light.filter_taps); /* the light's, with both */
+        assert_int_equal(light.ao_samples, dgb_preset(DGB_PRESET_BALANCED).ao_samples);
+        assert_true(p.reflect_stride <= least.reflect_stride && p.reflect_stride >= most.reflect_stride);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_keep_test_is_strict),
@@ -591,6 +620,7 @@ int main(void) {
         cmocka_unit_test(test_weight_of_planes_and_steps),
         cmocka_unit_test(test_weight_is_total),
         cmocka_unit_test(test_presets),
+        cmocka_unit_test(test_presets_for_a_budget),
     };
     return cmocka_run_group_tests_name("terms", tests, NULL, NULL);
 }
