@@ -42,10 +42,12 @@
                     width / divisor x height / divisor texels, texel q at pixel (q + 0.5) * divisor.
        4 shade      dgb_shade runs the passes that desc.effects asked for, once a frame. Called again on the same layers it
                     is a further frame in which nothing has moved: one bounce more, one set of taps more.
-       5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, confidence),
-                    AV from DGB_AO, E and confidence from DGB_IRRADIANCE, E_probe what you have for light from elsewhere: a
-                    light probe, or a constant. Mirrors and rough surfaces add their reflectance or environment BRDF times
-                    lerp(environment, L, confidence), both from DGB_REFLECTION. dgbgl_composite_snippet has these in GLSL.
+       5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, c),
+                    AV from DGB_AO, E and its confidence from DGB_IRRADIANCE, c = min(2 confidence, 1), E_probe what you have
+                    for light from elsewhere: a light probe, or a constant. (The paper takes the confidence itself; twice
+                    that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add their
+                    reflectance or environment BRDF times lerp(environment, L, confidence), both from DGB_REFLECTION.
+                    dgbgl_composite_snippet has these in GLSL.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS

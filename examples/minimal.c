@@ -46,7 +46,7 @@ static const char* const screen_fragment =
     "    ivec3 p = ivec3(ivec2(gl_FragCoord) + 64, 0);\n" /* 64: the guard band; 0: the front layer */
     "    vec4 surface = texelFetch(albedo, p, 0), bounced = texelFetch(irradiance, p.xy, 0);\n"
     "    vec3 sky = vec3(0.2, 0.24, 0.32), open = sky * texelFetch(ao, p.xy, 0).r;\n"
-    "    vec3 indirect = surface.rgb / 3.14159 * mix(open, bounced.rgb, bounced.a);\n" /* a: confidence */
+    "    vec3 indirect = surface.rgb / 3.14159 * mix(open, bounced.rgb, min(2.0 * bounced.a, 1.0));\n"
     "    vec3 light = texelFetch(radiance, p, 0).rgb + indirect;\n"
     "    color = vec4(pow(1.0 - exp(-1.8 * mix(sky, light, surface.a)), vec3(1.0 / 2.2)), 1);\n"
     "}\n";

@@ -439,14 +439,15 @@ void write_popping(std::FILE* csv, const Stage& stage, const std::array<Popping,
 void write_plot_script(const std::vector<std::string>& scenes) {
     const File script = result_file("mirrors.gnuplot");
     std::FILE* out = script.get();
-    std::fprintf(out,
-                 "set terminal svg size %zu, 820 background rgb 'white'\nset output 'build/bench/mirrors.svg'\n"
-                 "set datafile separator ','\nset datafile columnheaders\nset multiplot layout 2, 1\n"
-                 "set key outside top center horizontal\nset style data histograms\n"
-                 "set style histogram rowstacked title offset 0, -5\nset style fill solid 0.8\nset boxwidth 0.8\n"
-                 "set yrange [0:100]\nset ylabel '%% of the mirror pixels'\nset bmargin 9\n"
-                 "set xtics rotate by -40 scale 0 font ',9'\nplot ",
-                 std::max<size_t>(320 * scenes.size(), 640));
+    std::fprintf(
+        out,
+        "set terminal svg size %zu, 820 background rgb 'white'\nset output 'build/bench/mirrors.svg'\n"
+        "set termoption noenhanced\nset datafile separator ','\nset datafile columnheaders\nset multiplot layout 2, 1\n"
+        "set key outside top center horizontal\nset style data histograms\n"
+        "set style histogram rowstacked title offset 0, -1.5\nset style fill solid 0.8\nset boxwidth 0.8\n"
+        "set yrange [0:100]\nset ylabel '%% of the mirror pixels'\nset bmargin 9\n"
+        "set xtics rotate by -40 scale 0 font ',9'\nplot ",
+        std::max<size_t>(320 * scenes.size(), 640));
     const char* columns[] = {"right", "wrong", "missed", "lies"};
     const size_t rows = std::size(kContests);
     for (size_t scene = 0; scene < scenes.size(); ++scene) {

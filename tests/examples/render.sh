@@ -333,7 +333,7 @@ second_layer_is_behind() { # by more than 0.5 m
         END { print filled + 0, "are filled,", bad + 0, "too near"; exit !(filled > 1000 && !bad) }'
 }
 
-# final = emission + direct + albedo / pi * lerp(visibility * irradiance of the sky, irradiance, confidence).
+# final = emission + direct + albedo / pi * lerp(visibility * irradiance of the sky, irradiance, min(2 confidence, 1)).
 # The first two are radiance0, which has 6 bits after the point, 5 for blue, and may be rounded down.
 composite_adds_up() {
     parts='radiance0 albedo0 irradiance0 ao confidence0 final z0'
@@ -341,9 +341,9 @@ composite_adds_up() {
     # shellcheck disable=SC2046,SC2086 # lists of words
     paste -d ' ' $(printf 'part_%s ' $parts) | awk '
         BEGIN { pi = 3.14159265; sky[1] = 0.3; sky[2] = 0.4; sky[3] = 0.5 }
-        $15 < 0 { ++surfaces
+        $15 < 0 { ++surfaces; known = $11 < 0.5 ? 2 * $11 : 1
                   for (c = 1; c <= 3; ++c) {
-                      irradiance = $10 * pi * sky[c] * (1 - $11) + $(6 + c) * $11
+                      irradiance = $10 * pi * sky[c] * (1 - known) + $(6 + c) * known
                       error = $(11 + c) - ($c + $(3 + c) / pi * irradiance)
                       if (error < 0) error = -error
                       error -= $c / (c < 3 ? 64 : 32)

@@ -54,6 +54,7 @@ void set_filter_step(Setting* s, double v) { s->params.filter_step = int(v); }
 void set_normal_test(Setting* s, double v) { s->params.normal_test = v > 0.0; }
 void set_senders(Setting* s, double v) { s->senders = dgb_senders(int(v)); }
 void set_normaliser(Setting* s, double v) { s->normaliser = dgb_normaliser(int(v)); }
+void set_coverage(Setting* s, double v) { s->coverage = float(v); }
 void set_stride(Setting* s, double v) { s->params.reflect_stride = int(v); }
 void set_thickness(Setting* s, double v) { s->params.reflect_thickness = float(v); }
 void set_tracer(Setting* s, double v) { s->tracer = dgb_tracer(int(v)); }
@@ -75,6 +76,7 @@ std::vector<Change> all_changes() {
     add<set_normal_test, is_light>(&changes, "normal_test", {0, 1});
     add<set_senders, is_light>(&changes, "senders", {DGB_SENDERS_BOTH, DGB_SENDERS_STRONGEST});
     add<set_normaliser, is_light>(&changes, "normaliser", {DGB_NORMALISER_BOUNDED, DGB_NORMALISER_PAPER});
+    add<set_coverage, is_light>(&changes, "coverage", {1, 1.5, 2, 3, 4});
     add<set_stride, is_mirror>(&changes, "stride", {1, 2, 4, 8, 16});
     add<set_thickness, is_mirror>(&changes, "thickness", {0.05, 0.1, 0.25, 0.5, 1.0, 2.0});
     add<set_tracer, is_mirror>(&changes, "tracer", {DGB_TRACER_LINEAR, DGB_TRACER_HIERARCHICAL});
@@ -140,8 +142,8 @@ std::string key_of(const Setting& s) {
     }
     if (s.effect == Effect::light) {
         return layers +
-               text(" n%d r%g m%d t%d e%d z%d", q.samples, double(q.radius), q.min_level, int(q.normal_test),
-                    second ? int(s.senders) : 0, int(s.normaliser)) +
+               text(" n%d r%g m%d t%d e%d z%d c%g", q.samples, double(q.radius), q.min_level, int(q.normal_test),
+                    second ? int(s.senders) : 0, int(s.normaliser), double(s.coverage)) +
                filter;
     }
     return layers + text(" p%d h%g c%d", q.reflect_stride, double(q.reflect_thickness), int(s.tracer));

@@ -21,7 +21,8 @@ struct Setting {
     dgb_senders senders = DGB_SENDERS_BOTH;
     dgb_normaliser normaliser = DGB_NORMALISER_BOUNDED;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
-    dgb_params params{}; // lengths are shares of the scene's: see scaled()
+    float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
+    dgb_params params{};   // lengths are shares of the scene's: see scaled()
 };
 
 // All numbers that define it, one word without commas: settings with the same key give the same picture.

@@ -11,7 +11,7 @@
 //     ao           the paper's obscurance integral over the true geometry, within the scene's radius; beside it (rmse_cosine)
 //                  cosine-weighted visibility with rays as long as that radius
 //     irradiance   light of one bounce from within the scene's radius, W/m2; from where nothing is known comes none, and the
-//                  library's irradiance counts by its confidence
+//                  library's irradiance counts by the share of the hemisphere that the composite snippet gives it
 //     reflection   radiance in a mirror at every pixel of a floor, as far as mirrored rays reach; where nothing is found stands the
 //                  median of the truth. `wrong` is the share of the pixels whose hit is not within the separation of the true one
 // Errors of the first two are relative to nothing: AO is a share, irradiance is divided by the true mean. No temporal filter.
@@ -334,6 +334,7 @@ public:
     double build_ms() const { return built_->build_ms; }
     double bytes() const { return double(library_.context()->plan.bytes); }
     const dgb_params& params() const { return params_; }
+    float coverage() const { return setting_.coverage; }
 
     double shade() { // milliseconds
         library_.set_layers(stage_->dgb_view_now(), built_->layers->handles(setting_.layers));
@@ -385,12 +386,22 @@ Pixels shown_in_mirrors(const Pixels& reflection, const Truth& truth) {
     return shown;
 }
 
+// As the composite snippet has it, before a black probe.
+Pixels composited(const Pixels& irradiance, float coverage) {
+    Pixels rgb;
+    for (size_t i = 0; i < irradiance.size(); i += 4) {
+        const float share = std::min(coverage * irradiance[i + 3], 1.0f);
+        for (size_t c = i; c < i + 3; ++c) { rgb.push_back(share * irradiance[c]); }
+    }
+    return rgb;
+}
+
 Picture picture_of(const Contender& contender, Effect effect, const Truth& truth) {
     if (effect == Effect::occlusion) {
         return {contender.read(DGB_AO, GL_RED), truth.obscurance, nullptr, 1, 1.0, truth.surface};
     }
     if (effect == Effect::light) {
-        return {weigh(contender.read(DGB_IRRADIANCE, GL_RGBA)),
+        return {composited(contender.read(DGB_IRRADIANCE, GL_RGBA), contender.coverage()),
                 truth.both,
                 truth.irradiance,
                 3,
