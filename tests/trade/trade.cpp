@@ -584,7 +584,9 @@ void print_layers(const std::vector<Row>& rows) {
         if (!seen.insert(row.scene + "," + row.effect).second) { continue; }
         std::printf("    %-24s %-12s", row.scene.c_str(), row.effect.c_str());
         for (const double cost : costs) {
-            std::printf(" %8.3f", best_within(rows, row, 2, cost) / best_within(rows, row, 1, cost));
+            const double two = best_within(rows, row, 2, cost), one = best_within(rows, row, 1, cost);
+            const bool both = std::isfinite(two) && one > 0.0 && std::isfinite(one);
+            both ? std::printf(" %8.3f", two / one) : std::printf(" %8s", "-"); // nothing is that cheap
         }
         std::printf("\n");
     }
@@ -611,7 +613,8 @@ void write_plot_script(const std::vector<std::string>& scenes) {
     std::fprintf(out,
                  "set terminal svg size %zu, 1020 background rgb 'white'\nset output 'build/trade/trade.svg'\n"
                  "set datafile separator ','\nset datafile columnheaders\nset multiplot layout 3, %zu\nset grid\nset "
-                 "logscale xy\n",
+                 "logscale xy\nset autoscale fix\nset offsets graph 0.05, graph 0.05, graph 0.25, graph 0.05\n"
+                 "set key font ',9'\nset format y '%%.3g'\nset format x '%%.2g'\n",
                  std::max<size_t>(360 * scenes.size(), 480), scenes.size());
     const int error = 7, cost = 7 + kCostBuilt, front = 7 + kMeasureCount; // columns, from 1
     for (const Effect effect : kEffects) {
