@@ -57,8 +57,8 @@ static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, 
     case DGB_PASS_TEMPORAL: /* bilinear: four texels */
         for (k = 0; k <= deep; ++k) trips[k] = 4;
         return 1 + deep;
-    case DGB_PASS_RECONSTRUCT: /* all but the centre */
-        for (k = 0; k <= deep; ++k) trips[k] = q->filter_taps - 1;
+    case DGB_PASS_RECONSTRUCT: /* a tap on either side */
+        for (k = 0; k <= deep; ++k) trips[k] = q->filter_taps / 2;
         return 1 + deep;
     case DGB_PASS_REFLECT: /* until something is hit; to refine that; further, where it does not stand */
         trips[0] = ASSUMED_REFLECT_STEPS;
