@@ -494,7 +494,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "// passes guarantee; dgb_ao_term below takes anything.\n"
     "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float d2 = dot(v, v);\n"
-    "    float a  = clamp(1.0 - d2 * inv_r2, 0.0, 1.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
+    "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
     "    return a * a / (d2 + epsilon);\n"
     "}\n"
     "\n"

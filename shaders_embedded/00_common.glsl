@@ -149,7 +149,7 @@ bool dgb_keep_test(float z, float z_front, float separation) { return z_front !=
 // passes guarantee; dgb_ao_term below takes anything.
 float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
     float d2 = dot(v, v);
-    float a  = clamp(1.0 - d2 * inv_r2, 0.0, 1.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);
+    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);
     return a * a / (d2 + epsilon);
 }
 
