@@ -75,7 +75,8 @@ vec2 dgb_pixel_pair(ivec2 pixel, int frame) {
 }
 
 int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
-    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - 127 - log2_q, min_level, max_level) : min_level;
+    // in brackets: what is the same for all taps
+    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;
 }
 
 ivec2 dgb_mip_source(ivec2 p, int level) {
@@ -99,6 +100,25 @@ float dgb_linear_z(float depth, dgb_camera camera) {
 vec3 dgb_position(vec2 pixel, float z, dgb_camera camera) {
     vec4 a = camera.position_z, b = camera.position_1;
     return vec3((pixel * a.xy + a.zw) * z + (pixel * b.xy + b.zw), z);
+}
+
+// A point that offsets are from.
+struct dgb_origin {
+    vec2  pixel; // where it is seen
+    float z;
+    vec2  side; // metres between pixels at its depth
+};
+
+dgb_origin dgb_origin_at(vec2 pixel, float z, dgb_camera camera) {
+    return dgb_origin(pixel, z, camera.position_z.xy * z + camera.position_1.xy);
+}
+
+// To what a pixel shows at depth z: the difference of two dgb_position, but cheaper where many share an origin, and exact where
+// that cancels: to the origin itself it is 0.
+vec3 dgb_offset(vec2 pixel, float z, dgb_origin o, dgb_camera camera) {
+    vec2  ray = pixel * camera.position_z.xy + camera.position_z.zw;
+    float dz  = z - o.z;
+    return vec3(ray * dz + (pixel - o.pixel) * o.side, dz);
 }
 
 // Pixel position of a camera-space point.
@@ -129,7 +149,7 @@ bool dgb_keep_test(float z, float z_front, float separation) { return z_front !=
 // passes guarantee; dgb_ao_term below takes anything.
 float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {
     float d2 = dot(v, v);
-    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(v, n) - beta, 0.0);
+    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);
     return a * a / (d2 + epsilon);
 }
 

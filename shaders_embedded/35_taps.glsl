@@ -12,16 +12,28 @@ struct dgb_tap {
 
 vec2 dgb_rotation(ivec2 pixel, int frame) { return texelFetch(dgb_rotations, ivec2(dgb_pixel_hash(pixel, frame), 0), 0).rg; }
 
-// table: cos, sin, kappa of the tap; reach: radius of the spiral in pixels; size: of the buffer; levels: log2 q, min, max.
-dgb_tap dgb_tap_at(vec4 table, vec2 rotation, float reach, vec2 centre, ivec2 size, ivec4 levels) {
-    vec2    direction = vec2(table.x * rotation.x - table.y * rotation.y, table.x * rotation.y + table.y * rotation.x);
-    float   h         = max(reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself
-    vec2    at        = centre + h * direction;
-    ivec2   p         = ivec2(clamp(at, vec2(0.0), vec2(size - 1)));
+struct dgb_spiral { // what the taps of one pixel have in common; compilers for GPUs do not find it in a loop
+    vec2  centre, rotation;
+    float reach; // pixels
+    ivec2 size;  // of the buffer
+    vec2  last;  // the last position in it: the float before its size
+};
+
+// size: of the buffer, (unused), frame.
+dgb_spiral dgb_spiral_at(vec2 centre, float reach, ivec4 size) {
+    return dgb_spiral(centre, dgb_rotation(ivec2(centre), size.w), reach, size.xy, vec2(size.xy) * 0.99999994);
+}
+
+// table: cos, sin, kappa of the tap; levels: log2 q, min, max.
+dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {
+    vec2    direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);
+    float   h         = max(s.reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself
+    vec2    at        = s.centre + h * direction;
+    vec2    within    = clamp(at, vec2(0.0), s.last);
     dgb_tap tap;
-    tap.inside = all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(size)));
+    tap.inside = at == within;
     tap.level = dgb_mip_level(h, levels.x, levels.y, levels.z);
-    tap.texel = min(p >> tap.level, (size >> tap.level) - 1);
+    tap.texel = min(ivec2(within) >> tap.level, (s.size >> tap.level) - 1);
     tap.pixel = dgb_mip_source(tap.texel, tap.level);
     return tap;
 }

@@ -101,36 +101,51 @@ layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
 #endif
 
+struct dgb_sums {
+    float weight, ao;
+    vec4  irradiance;
+};
+
+void dgb_add(inout dgb_sums sums, float weight, dgb_lit s) {
+    sums.weight += weight;
+    sums.ao += weight * s.ao;
+    sums.irradiance += vec4(s.irradiance.rgb * (weight * s.irradiance.a), weight * s.irradiance.a); // dgb_weigh
+}
+
+struct dgb_filter { // of one surface
+    int        layer;
+    ivec2      pixel;
+    dgb_origin x;
+    vec3       n;
+};
+
+// The tap at a place along the axis. nearest: the place nearest to it in the shaded rectangle; weight: by distance in the image.
+void dgb_add_tap(inout dgb_sums sums, dgb_filter f, int at, int nearest, float weight) {
+    ivec2   p  = DGB_AXIS == 0 ? ivec2(nearest, f.pixel.y) : ivec2(f.pixel.x, nearest);
+    dgb_lit t  = dgb_lit_at(f.layer, p);
+    vec3    dq = dgb_offset(dgb_centre(f.layer, p), t.z, f.x, dgb_reconstruct_camera);
+    // a factor for what must not count: a select between a read and none becomes a branch
+    weight *= at == nearest && t.z > DGB_EMPTY_Z ? 1.0 : 0.0;
+    weight *= dgb_bilateral_weight(f.n, dgb_oct16_decode(t.normal), dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
+    dgb_add(sums, weight, t);
+}
+
 dgb_lit dgb_filtered(int layer, ivec2 pixel) {
-    ivec2   axis = dgb_reconstruct_axis.xy;
-    dgb_lit s    = dgb_lit_at(layer, pixel);
-    vec3    x    = dgb_position(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);
-    vec3    n    = dgb_oct16_decode(s.normal);
-
-    // the taps that lie in the shaded rectangle; none where there is no surface
-    ivec2 room_before = (pixel - dgb_reconstruct_rect.xy) / max(axis, 1);
-    ivec2 room_after  = (dgb_reconstruct_rect.zw - pixel) / max(axis, 1);
-    int   side        = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0;
-    int   first       = -min(side, axis.x > 0 ? room_before.x : room_before.y);
-    int   last        = min(side, axis.x > 0 ? room_after.x : room_after.y);
-
-    float total      = dgb_reconstruct_weights[0].x;
-    float ao         = total * s.ao;
-    vec4  irradiance = total * dgb_weigh(s.irradiance);
-    for (int i = first < 0 ? first : 1; i <= last; i += i == -1 ? 2 : 1) { // every tap but the centre
-        ivec2   p      = pixel + i * axis;
-        dgb_lit t      = dgb_lit_at(layer, p);
-        vec3    dq     = dgb_position(dgb_centre(layer, p), t.z, dgb_reconstruct_camera) - x;
-        float   weight = dgb_bilateral_weight(n, dgb_oct16_decode(t.normal), dq, dgb_reconstruct_sharpness.x, dgb_reconstruct_sharpness.y);
-        // a factor for empty texels: a select between a read and none becomes a branch
-        weight *= dgb_reconstruct_weights[abs(i)].x * (t.z > DGB_EMPTY_Z ? 1.0 : 0.0);
-        total += weight;
-        ao += weight * t.ao;
-        irradiance += vec4(t.irradiance.rgb * (weight * t.irradiance.a), weight * t.irradiance.a); // dgb_weigh
+    dgb_lit    s    = dgb_lit_at(layer, pixel);
+    dgb_origin x    = dgb_origin_at(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);
+    dgb_filter f    = dgb_filter(layer, pixel, x, dgb_oct16_decode(s.normal));
+    int        side = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0, here = pixel[DGB_AXIS];
+    dgb_sums   sums = dgb_sums(0.0, 0.0, vec4(0.0));
+    dgb_add(sums, dgb_reconstruct_weights[0].x, s);
+    for (int i = 1; i <= side; ++i) { // on both sides at once: i is the same for all pixels, and so is what it reads
+        int   before = here - i * dgb_reconstruct_axis[DGB_AXIS], after = here + i * dgb_reconstruct_axis[DGB_AXIS];
+        float weight = dgb_reconstruct_weights[i].x;
+        dgb_add_tap(sums, f, before, max(before, dgb_reconstruct_rect[DGB_AXIS]), weight);
+        dgb_add_tap(sums, f, after, min(after, dgb_reconstruct_rect[DGB_AXIS + 2]), weight);
     }
-    irradiance   = dgb_unweigh(irradiance / total);
-    s.ao         = ao / total;
-    s.irradiance = vec4(dgb_storable(irradiance.rgb), irradiance.a);
+    vec4 irradiance = dgb_unweigh(sums.irradiance / sums.weight);
+    s.ao            = sums.ao / sums.weight;
+    s.irradiance    = vec4(dgb_storable(irradiance.rgb), irradiance.a);
     return s;
 }
 

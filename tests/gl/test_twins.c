@@ -562,6 +562,46 @@ static void test_position(void** state) {
     check(&t, 4.0);
 }
 
+/* The origin is what the pixel of the case shows. Against the difference of two positions, in double. */
+static void test_offset(void** state) {
+    tally t = tally_of("offset, epsilons");
+    int i, k, nonzero = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) {
+        const float origin[2] = {(float)(i % SIDE) + 0.5f, (float)(i / SIDE) + 0.5f};
+        const float away = i % 3 ? 9.0f : 1408.0f;
+        dgb_camera camera;
+        give_camera(i, &camera);
+        for (k = 0; k < 2; ++k) in[i][0][k] = origin[k] + floorf(random_in(-away, away));
+        in[i][0][2] = in[i][0][3] = -fabsf(random_size(0.01f, 1e6f));
+        if (i % 4) in[i][0][3] *= i % 4 > 1 ? 1.001f : random_in(0.1f, 10.0f);
+        if (i % 20 == 0) memcpy(in[i][0], origin, sizeof origin); /* the origin itself */
+    }
+    evaluate("bits(dgb_offset(given(0).xy, given(0).z, dgb_origin_at(gl_FragCoord.xy, given(0).w, given_camera()),"
+             " given_camera()))",
+             5);
+    for (i = 0; i < CASES; ++i) {
+        const dgb_camera camera = camera_of(i % 840);
+        const float* a = camera.position_z;
+        const float* b = camera.position_1;
+        const double z = (double)in[i][0][2], from = (double)in[i][0][3];
+        for (k = 0; k < 2; ++k) {
+            const double p = (double)in[i][0][k], o = (k ? i / SIDE : i % SIDE) + 0.5;
+            const double ak = (double)a[k], a_1 = (double)a[k + 2], bk = (double)b[k];
+            const double host = (p * ak + a_1) * z + p * bk - ((o * ak + a_1) * from + o * bk);
+            /* 5 roundings of what goes with the difference in depth, 4 of what goes with that in pixels, each half an
+               epsilon of the largest number that its sums hold; and one of ours */
+            const double scale =
+                (fabs(p * ak) + fabs(a_1)) * fabs(z - from) + fabs(p - o) * (fabs(ak * from) + fabs(bk));
+            compare(&t, device_float(i, k), (float)host, FLT_EPSILON * (scale + (double)FLT_MIN));
+            nonzero += i % 20 == 0 && device_float(i, k) != 0.0f;
+        }
+        compare(&t, device_float(i, 2), in[i][0][2] - in[i][0][3], FLT_EPSILON);
+    }
+    check(&t, 3.0);
+    check_equal("offset of the origin", nonzero, 0);
+}
+
 static void test_pixels_per_metre(void** state) {
     tally t = tally_of("pixels a metre, ulps");
     int i;
@@ -820,12 +860,13 @@ static int tap_mismatches(float reach, int count, const int size[2], const int l
         in[i][0][3] = reach;
         in[i][1][0] = (float)size[0];
         in[i][1][1] = (float)size[1];
+        in[i][1][3] = 0.0f; /* frame */
         in[i][2][0] = (float)levels[0];
         in[i][2][1] = (float)levels[1];
         in[i][2][2] = (float)levels[2];
     }
-    evaluate("twin_tap(dgb_tap_at(vec4(given(0).xyz, 0.0), dgb_rotation(ivec2(gl_FragCoord.xy), 0), given(0).w,"
-             " gl_FragCoord.xy, ivec2(given(1).xy), ivec4(given(2))))",
+    evaluate("twin_tap(dgb_tap_at(vec4(given(0).xyz, 0.0),"
+             " dgb_spiral_at(gl_FragCoord.xy, given(0).w, ivec4(given(1))), ivec4(given(2))))",
              3);
     for (i = 0; i < CASES; ++i) {
         const tap_place p = host_tap(i % SIDE, i / SIDE, i % count, count, reach, size, levels);
@@ -868,20 +909,31 @@ static int close_context(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oct16_encode),       cmocka_unit_test(test_oct16_decode),
-        cmocka_unit_test(test_storable),           cmocka_unit_test(test_r11g11b10f_store),
-        cmocka_unit_test(test_half_store),         cmocka_unit_test(test_pixel_hash),
-
-
-        cmocka_unit_test(test_mip_level),          cmocka_unit_test(test_mip_source),
-        cmocka_unit_test(test_depth_code),         cmocka_unit_test(test_linear_z),
-        cmocka_unit_test(test_position),           cmocka_unit_test(test_pixels_per_metre),
-        cmocka_unit_test(test_keep_test),          cmocka_unit_test(test_ao_term),
-        cmocka_unit_test(test_ambient_visibility), cmocka_unit_test(test_gather_term),
-        cmocka_unit_test(test_gather_scale),       cmocka_unit_test(test_boost),
-        cmocka_unit_test(test_bilateral_weight),   cmocka_unit_test(test_tap_placement),
-        cmocka_unit_test(test_pixel_pair),         cmocka_unit_test(test_ggx_alpha),
-        cmocka_unit_test(test_ggx_normal),         cmocka_unit_test(test_ggx_density),
+        cmocka_unit_test(test_oct16_encode),
+        cmocka_unit_test(test_oct16_decode),
+        cmocka_unit_test(test_storable),
+        cmocka_unit_test(test_r11g11b10f_store),
+        cmocka_unit_test(test_half_store),
+        cmocka_unit_test(test_pixel_hash),
+        cmocka_unit_test(test_mip_level),
+        cmocka_unit_test(test_mip_source),
+        cmocka_unit_test(test_depth_code),
+        cmocka_unit_test(test_linear_z),
+        cmocka_unit_test(test_position),
+        cmocka_unit_test(test_pixels_per_metre),
+        cmocka_unit_test(test_keep_test),
+        cmocka_unit_test(test_ao_term),
+        cmocka_unit_test(test_ambient_visibility),
+        cmocka_unit_test(test_gather_term),
+        cmocka_unit_test(test_gather_scale),
+        cmocka_unit_test(test_boost),
+        cmocka_unit_test(test_bilateral_weight),
+        cmocka_unit_test(test_tap_placement),
+        cmocka_unit_test(test_pixel_pair),
+        cmocka_unit_test(test_ggx_alpha),
+        cmocka_unit_test(test_ggx_normal),
+        cmocka_unit_test(test_ggx_density),
+        cmocka_unit_test(test_offset),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

@@ -33,12 +33,13 @@ static int define_of(const dgb_program_desc* p, const char* name) {
     return 0;
 }
 
-/* Trips of each loop of a pass in the order of the text, in all, and how many loops there are. Taps have a loop for each
-   thing that the second layer may be in a tile: receiver, sender, of no matter. all: it is all that this variant knows;
-   else it is of no matter. */
+/* Trips of each loop of a pass in the order of the text, in all, and how many loops there are. The gather's taps have a
+   loop for each thing that the second layer may be in a tile: receiver, sender, of no matter; those of occlusion have one,
+   and a branch within it. all: it is all that this variant knows; else it is of no matter. */
 static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, double trips[ISA_MAX_LOOPS]) {
     const int layers = define_of(p, "DGB_LAYERS"), deep = define_of(p, "DGB_DEEP");
-    const int step = define_of(p, "DGB_TILES_STEP"), tap_loops = layers + deep;
+    const int step = define_of(p, "DGB_TILES_STEP");
+    const int tap_loops = p->pass == DGB_PASS_AO ? 1 : layers + deep;
     int count = 0, k;
     switch (p->pass) {
     case DGB_PASS_TILES:
@@ -56,10 +57,14 @@ static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, 
     case DGB_PASS_TEMPORAL: /* bilinear: four texels */
         for (k = 0; k <= deep; ++k) trips[k] = 4;
         return 1 + deep;
-    case DGB_PASS_RECONSTRUCT: /* all but the centre */
-        for (k = 0; k <= deep; ++k) trips[k] = q->filter_taps - 1;
+    case DGB_PASS_RECONSTRUCT: /* a tap on either side */
+        for (k = 0; k <= deep; ++k) trips[k] = q->filter_taps / 2;
         return 1 + deep;
-    case DGB_PASS_REFLECT: trips[0] = ASSUMED_REFLECT_STEPS; return 1;
+    case DGB_PASS_REFLECT: /* until something is hit; to refine that; further, where it does not stand */
+        trips[0] = ASSUMED_REFLECT_STEPS;
+        trips[1] = 1;
+        trips[2] = 0;
+        return 3;
     default: return 0;
     }
 }
@@ -142,7 +147,9 @@ static VkFormat vulkan_format(dgb_format format) {
     case DGB_FORMAT_R32F: return VK_FORMAT_R32_SFLOAT;
     case DGB_FORMAT_RG32F: return VK_FORMAT_R32G32_SFLOAT;
     case DGB_FORMAT_RGBA32F: return VK_FORMAT_R32G32B32A32_SFLOAT;
-    default: return VK_FORMAT_UNDEFINED;
+    case DGB_FORMAT_RG32UI: return VK_FORMAT_R32G32_UINT;
+    case DGB_FORMAT_RGBA32UI: return VK_FORMAT_R32G32B32A32_UINT;
+    default: fail(dgbi_formats[format].name, "not known to Vulkan here"); return VK_FORMAT_UNDEFINED;
     }
 }
 
@@ -208,7 +215,8 @@ static figures figures_of(const variant* v, const dgb_params* q, bool all) {
     if (found != loops && !(found == 0 && may_unroll(v->program->pass)))
         fail(v->name, "the code has other loops than find_trips knows of");
     work = isa_sum(&v->isa, trips);
-    f.cycles = isa_busy_cycles(&work);
+    /* a tile where the second layer is of no matter skips the branch that looks at it */
+    f.cycles = isa_busy_cycles(&work) - (!all && v->program->pass == DGB_PASS_AO ? work.skippable : 0);
     f.skippable = work.cycles[ISA_VECTOR] > 0 ? work.skippable / work.cycles[ISA_VECTOR] : 0;
     for (i = 0; i < ISA_MAX_TEXTURES; ++i) {
         if (work.fetches[i] > 0 && v->texel_bytes[i] == 0) fail(v->name, "it fetches from what the plan does not bind");
