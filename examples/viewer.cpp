@@ -94,6 +94,8 @@ private:
         PassTimes times{false}; // of one frame
     };
 
+    void start(const ViewerOptions& options);
+    void show_demo(const Demo& demo);
     void open_scene(const Options& asked, bool keep_camera);
     void try_scene(const std::string& path, bool keep_camera);
     void set_lengths();
@@ -107,6 +109,9 @@ private:
     void toggle_recording();
     void toggle_replay(); // throws when the path is wrong
     void move_camera(const Steering& steering, float seconds);
+    glm::ivec2 picture_size() const;
+    float picture_width() const { return window_.gui_size().x - side_width(); } // in the window's coordinates
+    float side_width() const { return panel_.visible ? panel_width(window_.gui_size().x) : 0.0f; }
     void follow_size();
     double frame_seconds();
 
@@ -120,8 +125,8 @@ private:
     void take_screenshot();
     bool is_script() const { return options_.frames > 0; } // then time goes by the frame, not by the clock
     bool is_last_frame() const { return is_script() && frame_ + 1 >= options_.frames; }
-    int split_column() const { return int(std::lround(panel_.split * float(size_.x))); }
-    bool is_seen(size_t side) const { return side == 0 ? split_column() > 0 : split_column() < size_.x; }
+    int split_column() const { return int(std::lround(panel_.shown_split() * float(size_.x))); }
+    bool is_drawn(size_t side) const { return side == 0 ? panel_.split > 0.0f : panel_.split < 1.0f; }
 
     ViewerOptions options_;
     Window window_; // before everything that lives in its context
@@ -136,7 +141,7 @@ private:
     double path_time_ = 0.0;
     double time_ = 0.0;                      // of the animation, seconds
     double last_time_ = 0.0, resized_ = 0.0; // by the clock, seconds
-    glm::ivec2 size_{0};                     // of the framebuffer
+    glm::ivec2 size_{0};                     // of the picture, which is left of the panel, pixels
     bool wants_screenshot_ = false;
     int frame_ = 0;
 };
@@ -144,18 +149,11 @@ private:
 std::string path_file(const ViewerOptions& options) { return options.path.empty() ? "viewer_path.txt" : options.path; }
 
 Viewer::Viewer(const ViewerOptions& options)
-    : options_(options), window_(options.right.width, options.right.height, "deepgbuffer"), time_(options.right.time),
-      size_(window_.framebuffer_size()) {
-    const Options* const sides[] = {&options.left, &options.right};
-    for (size_t i = 0; i < 2; ++i) {
-        panel_.sides[i].config = {layers_desc(*sides[i]), sides[i]->params, options.view};
-    }
+    : options_(options), window_(options.right.width, options.right.height, "deepgbuffer") {
     panel_.visible = options.panel;
     panel_.labels = options.labels;
-    panel_.split = options.split;
-    panel_.sky = options.right.sky;
-    panel_.exposure = options.right.exposure;
-    open_scene(options_.right, false);
+    size_ = picture_size();
+    start(options);
     for (const PanelSide& side : panel_.sides) { // a wrong start ends the program, a wrong change later does not
         if (!side.desc_error.empty()) { throw std::runtime_error(side.desc_error); }
     }
@@ -164,6 +162,31 @@ Viewer::Viewer(const ViewerOptions& options)
 }
 
 // ---- Scene and renderers --------------------------------------------------------------------------------
+
+// All but the window. Throws when the scene cannot be had.
+void Viewer::start(const ViewerOptions& options) {
+    const Options* const sides[] = {&options.left, &options.right};
+    for (size_t i = 0; i < 2; ++i) {
+        panel_.sides[i].config = {layers_desc(*sides[i]), sides[i]->params, options.view};
+    }
+    panel_.split = options.split;
+    panel_.alone = Alone::none;
+    panel_.sky = options.right.sky;
+    panel_.exposure = options.right.exposure;
+    panel_.replaying = false;
+    time_ = options.right.time;
+    options_.left = options.left;
+    options_.right = options.right;
+    options_.given = options.given;
+    open_scene(options.right, false);
+}
+
+void Viewer::show_demo(const Demo& demo) {
+    CLI::App app;
+    try {
+        start(parse_viewer_options(&app, [&](CLI::App* words) { words->parse(std::string(demo.words)); }));
+    } catch (const std::exception& error) { panel_.message = error.what(); }
+}
 
 // Throws when the scene cannot be had, and leaves everything as it was.
 void Viewer::open_scene(const Options& asked, bool keep_camera) {
@@ -278,6 +301,7 @@ void Viewer::press(int key) {
     case GLFW_KEY_F9: toggle_recording(); break;
     case GLFW_KEY_F10: toggle_replay(); break;
     case GLFW_KEY_F12: wants_screenshot_ = true; break;
+    case GLFW_KEY_TAB: panel_.alone = Alone((int(panel_.alone) + 1) % 3); break;
     case GLFW_KEY_HOME: camera_ = first_camera_; break;
     case GLFW_KEY_SPACE: panel_.playing = !panel_.playing; break;
     default: break;
@@ -323,9 +347,16 @@ void Viewer::move_camera(const Steering& steering, float seconds) {
     keep_scene_in_planes(stage_->scene, &camera_);
 }
 
+// Pixels of the framebuffer; 0 while the window is minimised.
+glm::ivec2 Viewer::picture_size() const {
+    const glm::ivec2 size = window_.framebuffer_size();
+    const float share = picture_width() / std::max(window_.gui_size().x, 1.0f);
+    return size == glm::ivec2(0) ? size : glm::ivec2(std::max(int(std::lround(share * float(size.x))), 1), size.y);
+}
+
 // While the user pulls at the window's border, the pictures are stretched: new textures for each step would be too much.
 void Viewer::follow_size() {
-    const glm::ivec2 size = window_.framebuffer_size();
+    const glm::ivec2 size = picture_size();
     const double now = glfwGetTime();
     if (size == glm::ivec2(0)) { return; }
     if (size != size_) {
@@ -395,19 +426,19 @@ void Viewer::paint_half(size_t side) {
 
 void Viewer::draw(const SceneFrame& frame) {
     for (size_t i = 0; i < halves_.size(); ++i) {
-        if (is_seen(i)) { draw_half(i, frame); }
+        if (is_drawn(i)) { draw_half(i, frame); }
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     for (size_t i = 0; i < halves_.size(); ++i) {
-        if (is_seen(i)) { paint_half(i); }
+        if (is_drawn(i)) { paint_half(i); }
     }
 }
 
 void Viewer::draw_gui() {
     window_.begin_gui();
-    const glm::vec2 size = window_.gui_size();
-    if (panel_.labels) { draw_labels(panel_, size.x, size.y); }
-    if (panel_.visible) { obey(draw_panel(&panel_, size.x, size.y)); }
+    const float width = picture_width(), height = window_.gui_size().y;
+    if (panel_.labels) { draw_labels(panel_, width, height); }
+    if (panel_.visible) { obey(draw_panel(&panel_, width, side_width(), height)); }
     window_.end_gui();
 }
 
@@ -421,6 +452,7 @@ void Viewer::obey(const PanelRequests& requests) {
         light_up();
     }
     if (requests.light_changed) { relight(); }
+    if (requests.demo != nullptr) { show_demo(*requests.demo); }
 }
 
 std::string next_screenshot() {
@@ -452,11 +484,13 @@ void write_window(const std::string& file, glm::ivec2 size) {
 }
 
 void Viewer::take_screenshot() {
-    if (is_last_frame() && !options_.screenshot.empty()) { write_window(options_.screenshot, size_); }
+    if (is_last_frame() && !options_.screenshot.empty()) {
+        write_window(options_.screenshot, window_.framebuffer_size());
+    }
     if (!std::exchange(wants_screenshot_, false)) { return; }
     const std::string file = next_screenshot();
     try {
-        write_window(file, size_);
+        write_window(file, window_.framebuffer_size());
         panel_.message = "the window is in \"" + file + "\"";
     } catch (const std::exception& error) { panel_.message = error.what(); }
 }
@@ -471,7 +505,7 @@ void Viewer::run() {
         handle(window_.poll());
         follow_size();
         const double seconds = frame_seconds();
-        move_camera(window_.steer(float(seconds), &panel_.split), float(seconds));
+        move_camera(window_.steer(float(seconds), picture_width(), &panel_.split), float(seconds));
         draw(next_frame());
         draw_gui();
         take_screenshot();
@@ -487,7 +521,7 @@ void Viewer::run() {
 int run_command_line(int argc, char** argv) {
     CLI::App app("Shows a scene with one layer beside two, and everything that can be chosen.");
     try {
-        const ViewerOptions options = parse_viewer_options(&app, argc, argv);
+        const ViewerOptions options = parse_viewer_options(&app, [=](CLI::App* words) { words->parse(argc, argv); });
         if (!options.screenshot.empty()) { check_file(options.screenshot); }
         Viewer(options).run();
     } catch (const CLI::Success& success) {

@@ -17,7 +17,9 @@ struct ViewerOptions {
     std::string screenshot; // empty: none
     std::string path;       // empty: none
     bool panel = true, labels = true;
-    bool has_separation = false, has_ao_radius = false, has_radius = false; // the user said them
+    struct {
+        bool separation = false, ao_radius = false, radius = false;
+    } given; // lengths that the user said
 };
 
 namespace viewer_options {
@@ -91,15 +93,17 @@ inline Options one_layer(Options options) {
 // are the same shares of its diagonal as they are of the atrium's, 45 m.
 inline void scale_lengths(const ViewerOptions& options, float diagonal, dgb_params* params) {
     const float scale = diagonal > 4.0f && diagonal < 200.0f ? 1.0f : diagonal / 45.0f;
-    if (!options.has_separation) { params->separation *= scale; }
-    if (!options.has_ao_radius) { params->ao_radius *= scale; }
-    if (!options.has_radius) { params->radius *= scale; }
+    if (!options.given.separation) { params->separation *= scale; }
+    if (!options.given.ao_radius) { params->ao_radius *= scale; }
+    if (!options.given.radius) { params->radius *= scale; }
 }
 
 } // namespace viewer_options
 
-// Throws CLI::ParseError: CLI::Success to show the help, anything else is the user's mistake in one sentence.
-inline ViewerOptions parse_viewer_options(CLI::App* app, int argc, char** argv) {
+// Throws CLI::ParseError: CLI::Success to show the help, anything else is the user's mistake in one sentence. parse: hands
+// the words to the app.
+template <typename Parse>
+ViewerOptions parse_viewer_options(CLI::App* app, Parse parse) {
     using namespace viewer_options;
     ViewerOptions options;
     render_options::Overrides overrides;
@@ -113,12 +117,12 @@ inline ViewerOptions parse_viewer_options(CLI::App* app, int argc, char** argv) 
     app->add_option("--left", left,
                     "options of layers and shading in which the left half differs from the right one, like "
                     "--left=\"--oracle peel --divisor 2\" (default: one layer)");
-    app->parse(argc, argv);
+    parse(app);
     render_options::apply(overrides, &options.right);
     options.left = left ? parse_left(options.right, overrides, *left) : one_layer(options.right);
-    options.has_separation = app->count("--separation") > 0;
-    options.has_ao_radius = app->count("--ao-radius") > 0;
-    options.has_radius = app->count("--radius") > 0;
+    options.given.separation = app->count("--separation") > 0;
+    options.given.ao_radius = app->count("--ao-radius") > 0;
+    options.given.radius = app->count("--radius") > 0;
     check_window(options);
     return options;
 }

@@ -33,12 +33,12 @@ bool PassHistory::has_gpu() const {
 
 void PassHistory::add(const PassTimes& times) {
     double total = 0.0;
+    for (Pass& known : passes_) { known.milliseconds *= 1.0 - kFrameWeight; } // what does not run again fades
     for (const PassTime& time : times.passes()) {
+        const double now = sum(time.gpu_ms.empty() ? time.cpu_ms : time.gpu_ms);
         Pass& known = pass(time.name);
         known.gpu = !time.gpu_ms.empty();
-        const double now = sum(known.gpu ? time.gpu_ms : time.cpu_ms);
-        const bool first = known.milliseconds < 0.0;
-        known.milliseconds = first ? now : known.milliseconds + kFrameWeight * (now - known.milliseconds);
+        known.milliseconds = known.milliseconds < 0.0 ? now : known.milliseconds + kFrameWeight * now;
         total += now;
     }
     if (frames_.size() == kFramesShown) { frames_.erase(frames_.begin()); }
@@ -46,6 +46,21 @@ void PassHistory::add(const PassTimes& times) {
 }
 
 // ---- What there is to choose ----------------------------------------------------------------------------
+
+const std::array<Demo, 3> kDemos = {{
+    {"halos",
+     "gallery --camera=0.5,1.6,1,-4,1.5,-4,60 --effects ao --view ao --preset quality --ao-samples 40 --ao-radius 2.5",
+     "Ambient visibility. One layer does not know the wall and the floor behind the sphere and the columns: what "
+     "stands "
+     "beside them turns bright, in a halo that follows the sphere. Tab compares."},
+    {"hidden light", "atrium --view irradiance --preset quality --sky 0.02,0.02,0.02 --exposure 0.5",
+     "Bounced light. The drape on the left hides a sunlit green one, whose light is missing on balustrade and floor "
+     "with "
+     "one layer. Tab compares."},
+    {"mirrors", "gallery --effects ao,gi,glossy --preset quality --split 0.82",
+     "The mirrors on the right show the pictures behind the columns. One layer does not have them: the sky shows "
+     "instead. Tab compares."},
+}};
 
 namespace {
 
@@ -331,9 +346,10 @@ void show_times(Panel* panel) {
     const bool gpu = panel->sides[0].history.has_gpu() || panel->sides[1].history.has_gpu();
     plot_frames("left", panel->sides[0].history.frames());
     plot_frames("right", panel->sides[1].history.frames());
-    ImGui::TextUnformatted(gpu           ? "GPU clock; shadow, light, composite: submission"
-                           : panel->wait ? "CPU clock, all of each pass"
-                                         : "CPU clock: submission alone");
+    ImGui::TextWrapped("%s", gpu ? "by the GPU's clock; shadow, light and composite, which are not of the library, by "
+                                   "the CPU's"
+                             : panel->wait ? "by the CPU's clock, until the GPU is done"
+                                           : "by the CPU's clock, as it submits: the GPU has no clock here");
     ImGui::Checkbox("wait for the GPU after each pass", &panel->wait);
     if (!ImGui::BeginTable("times", 3, ImGuiTableFlags_RowBg)) { return; }
     ImGui::TableSetupColumn("ms");
@@ -389,6 +405,19 @@ void show_memory(const Panel& panel) {
 
 // ---- The rest -------------------------------------------------------------------------------------------
 
+void choose_demo(Panel* panel, PanelRequests* requests) {
+    ImGui::TextUnformatted("what the second layer cures:");
+    for (const Demo& demo : kDemos) {
+        if (ImGui::Button(demo.name)) {
+            requests->demo = &demo;
+            panel->message = demo.look_for;
+        }
+        explain(demo.words);
+        ImGui::SameLine();
+    }
+    ImGui::NewLine();
+}
+
 PanelRequests edit_light(Panel* panel) {
     PanelRequests requests;
     Sun& sun = panel->sun;
@@ -416,6 +445,7 @@ void show_keys() {
                            "left drag                turn around the middle\n"
                            "wheel                    speed\n"
                            "Home                     back to the start\n"
+                           "Tab                      left alone, right alone, both\n"
                            "space                    hold the animation\n"
                            "F1, F2                   panel, labels\n"
                            "F5                       read the file again\n"
@@ -470,27 +500,32 @@ void draw_label(const std::string& text, float x, float y) {
 } // namespace
 
 void draw_labels(const Panel& panel, float width, float height) {
-    const float line = ImGui::GetTextLineHeight(), x = panel.split * width;
-    if (panel.split > 0.0f) { draw_label(label_of(panel.sides[0]), line, line); }
-    if (panel.split < 1.0f) { draw_label(label_of(panel.sides[1]), x + line, line); }
-    if (panel.split == 0.0f || panel.split == 1.0f) { return; }
+    const float line = ImGui::GetTextLineHeight(), split = panel.shown_split(), x = split * width;
+    if (split > 0.0f) { draw_label(label_of(panel.sides[0]), line, line); }
+    if (split < 1.0f) { draw_label(label_of(panel.sides[1]), x + line, line); }
+    if (split == 0.0f || split == 1.0f) { return; }
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     list->AddLine(ImVec2(x, 0.0f), ImVec2(x, height), IM_COL32(0, 0, 0, 160), 3.0f);
     list->AddLine(ImVec2(x, 0.0f), ImVec2(x, height), IM_COL32_WHITE, 1.0f);
     list->AddCircleFilled(ImVec2(x, 0.5f * height), 0.5f * line, IM_COL32_WHITE);
 }
 
-PanelRequests draw_panel(Panel* panel, float width, float height) {
+float panel_width(float window_width) {
+    const float font = 13.0f * ImGui::GetIO().FontGlobalScale; // ImGui's own
+    return std::min(27.0f * font, 0.5f * window_width);
+}
+
+PanelRequests draw_panel(Panel* panel, float left, float width, float height) {
     PanelRequests requests;
-    const float line = ImGui::GetTextLineHeight(), panel_width = 27.0f * line;
-    ImGui::SetNextWindowPos(ImVec2(width - line, line), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
-    ImGui::SetNextWindowSize(ImVec2(std::min(panel_width, width - 2.0f * line), height - 2.0f * line));
+    ImGui::SetNextWindowPos(ImVec2(left, 0.0f));
+    ImGui::SetNextWindowSize(ImVec2(width, height));
     const bool open = ImGui::Begin("deepgbuffer", &panel->visible, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
     if (!open) {
         ImGui::End();
         return requests;
     }
-    ImGui::PushItemWidth(-9.0f * line);
+    ImGui::PushItemWidth(-9.0f * ImGui::GetFontSize());
+    choose_demo(panel, &requests);
     if (!panel->message.empty()) { ImGui::TextWrapped("%s", panel->message.c_str()); }
     if (ImGui::CollapsingHeader("Keys")) { show_keys(); }
     if (ImGui::CollapsingHeader("Compare", ImGuiTreeNodeFlags_DefaultOpen)) {

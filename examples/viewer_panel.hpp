@@ -55,10 +55,19 @@ struct Sun {
     float strength = 6.0f;                   // W/m2
 };
 
+// A place to see what a second layer does, in words of the command line.
+struct Demo {
+    const char *name, *words, *look_for;
+};
+extern const std::array<Demo, 3> kDemos;
+
+enum class Alone { none, left, right };
+
 struct Panel {
     std::array<PanelSide, 2> sides; // left, right
     bool linked = true;             // what is changed on one side is changed on the other, but for the number of layers
     float split = 0.5f;             // share of the width
+    Alone alone = Alone::none;      // one half fills the window for now; the other goes on behind it
     bool visible = true, labels = true;
     Sun sun;
     glm::vec3 sky{0.0f};   // radiance, W/m2/sr
@@ -69,6 +78,8 @@ struct Panel {
     bool recording = false; // the camera's path
     bool replaying = false;
     std::string message; // what was done last, or why not
+
+    float shown_split() const { return alone == Alone::left ? 1.0f : alone == Alone::right ? 0.0f : split; }
 };
 
 // What the panel asks for.
@@ -76,6 +87,7 @@ struct PanelRequests {
     bool desc_changed = false; // of any side
     bool light_changed = false;
     bool sky_changed = false;
+    const Demo* demo = nullptr;
 };
 
 // Lengths (separation, radii) stay as they are: they belong to the scene.
@@ -84,6 +96,10 @@ void set_preset(dgb_preset_id preset, dgb_params* params);
 // "two layers, reproject: albedo of layer 1".
 std::string label_of(const PanelSide& side);
 
-// Both between ImGui's NewFrame and Render. Sizes are those of the window, in its own coordinates.
+// Of the window's width, in its own coordinates; at most half of it.
+float panel_width(float window_width);
+
+// Both between ImGui's NewFrame and Render. Sizes are those of the picture, which is left of the panel, in the window's own
+// coordinates.
 void draw_labels(const Panel& panel, float width, float height);
-PanelRequests draw_panel(Panel* panel, float width, float height);
+PanelRequests draw_panel(Panel* panel, float left, float width, float height);

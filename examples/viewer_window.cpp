@@ -154,29 +154,29 @@ Events Window::poll() {
     return std::exchange(events_, {});
 }
 
-Steering Window::steer(float seconds, float* split) {
+Steering Window::steer(float seconds, float picture_width, float* split) {
     Steering steering;
-    drag(&steering, split);
+    drag(&steering, picture_width, split);
     if (!ImGui::GetIO().WantCaptureKeyboard) { read_keys(&steering); }
     read_gamepad(seconds, &steering);
     return steering;
 }
 
-// What a drag that begins now does.
-Window::Drag Window::drag_of_buttons(double mouse_x, float split) const {
+// What a drag that begins now does, so far from the line between the halves.
+Window::Drag Window::drag_of_buttons(double to_split) const {
     if (ImGui::GetIO().WantCaptureMouse) { return Drag::none; }
     if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS) { return Drag::look; }
     if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) != GLFW_PRESS) { return Drag::none; }
-    return std::abs(mouse_x - double(split) * size().x) < kSplitReach ? Drag::split : Drag::orbit;
+    return std::abs(to_split) < kSplitReach ? Drag::split : Drag::orbit;
 }
 
-void Window::drag(Steering* steering, float* split) {
+void Window::drag(Steering* steering, float picture_width, float* split) {
     glm::dvec2 mouse(0.0);
     glfwGetCursorPos(window_, &mouse.x, &mouse.y);
     const auto motion = glm::vec2(mouse - std::exchange(mouse_, mouse)) * kRadiansAPoint;
     const int button = drag_ == Drag::look ? GLFW_MOUSE_BUTTON_RIGHT : GLFW_MOUSE_BUTTON_LEFT;
     if (drag_ == Drag::none || glfwGetMouseButton(window_, button) != GLFW_PRESS) {
-        drag_ = drag_of_buttons(mouse.x, *split);
+        drag_ = drag_of_buttons(mouse.x - double(*split * picture_width));
         glfwSetInputMode(window_, GLFW_CURSOR, drag_ == Drag::look ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
         return; // the motion so far was not part of it
     }
@@ -187,7 +187,7 @@ void Window::drag(Steering* steering, float* split) {
         steering->orbit_yaw -= motion.x;
         steering->orbit_pitch += motion.y;
     } else {
-        *split = std::clamp(float(mouse.x) / float(std::max(size().x, 1)), 0.0f, 1.0f);
+        *split = std::clamp(float(mouse.x) / std::max(picture_width, 1.0f), 0.0f, 1.0f);
     }
 }
 

@@ -33,10 +33,10 @@ public:
     bool is_closed() const;
     void close(); // at the end of this frame
 
-    // Once a frame. What ImGui takes for itself is left out. split: where the left half ends, share of the width; the user
-    // may drag it. seconds: since the last frame.
+    // Once a frame. What ImGui takes for itself is left out. split: where the left half ends, share of the picture's width,
+    // which is in the window's coordinates; the user may drag it. seconds: since the last frame.
     Events poll();
-    Steering steer(float seconds, float* split);
+    Steering steer(float seconds, float picture_width, float* split);
 
     glm::ivec2 framebuffer_size() const; // pixels; 0 while the window is minimised
     glm::vec2 gui_size() const;          // in ImGui's coordinates, which are the window's
@@ -52,8 +52,8 @@ private:
     void open(int width, int height, const char* title);
     void init_gui();
     glm::ivec2 size() const; // in the window's own coordinates
-    Drag drag_of_buttons(double mouse_x, float split) const;
-    void drag(Steering* steering, float* split);
+    Drag drag_of_buttons(double to_split) const;
+    void drag(Steering* steering, float picture_width, float* split);
     void read_keys(Steering* steering) const;
 
     GLFWwindow* window_ = nullptr;
