@@ -429,6 +429,8 @@ void Viewer::draw(const SceneFrame& frame) {
         if (is_drawn(i)) { draw_half(i, frame); }
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
     for (size_t i = 0; i < halves_.size(); ++i) {
         if (is_drawn(i)) { paint_half(i); }
     }

@@ -57,7 +57,7 @@ const std::array<Demo, 3> kDemos = {{
      "Bounced light. The drape on the left hides a sunlit green one, whose light is missing on balustrade and floor "
      "with "
      "one layer. Tab compares."},
-    {"mirrors", "gallery --effects ao,gi,glossy --preset quality --split 0.82",
+    {"mirrors", "gallery --camera=0,1.7,3.2,1.9,1.65,-6,75 --effects ao,gi,glossy --preset quality --split 0.79",
      "The mirrors on the right show the pictures behind the columns. One layer does not have them: the sky shows "
      "instead. Tab compares."},
 }};

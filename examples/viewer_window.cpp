@@ -99,7 +99,6 @@ void Window::init_gui() {
     scale *= float(size().x) / float(std::max(framebuffer_size().x, 1));
     ImGui::GetIO().FontGlobalScale = scale;
     ImGui::GetStyle().ScaleAllSizes(scale);
-    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.85f;
 }
 
 Window::~Window() {
