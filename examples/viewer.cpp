@@ -437,11 +437,12 @@ void Viewer::draw(const SceneFrame& frame) {
 }
 
 void Viewer::draw_gui() {
-    window_.begin_gui();
+    Window::begin_gui();
     const float width = picture_width(), height = window_.gui_size().y;
     if (panel_.labels) { draw_labels(panel_, width, height); }
+    draw_errors(panel_, width, height);
     if (panel_.visible) { obey(draw_panel(&panel_, width, side_width(), height)); }
-    window_.end_gui();
+    Window::end_gui();
 }
 
 // Takes effect in the next frame.

@@ -277,13 +277,6 @@ void edit_group(const ParamGroup& group, const Edited& side) {
     ImGui::TreePop();
 }
 
-void show_error(const std::string& sentence) {
-    if (sentence.empty()) { return; }
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.4f, 0.3f, 1.0f));
-    ImGui::TextWrapped("%s", sentence.c_str());
-    ImGui::PopStyleColor();
-}
-
 bool edit_side(const Edited& side) {
     edit_view(side);
     bool changed = edit_layers(side);
@@ -303,7 +296,6 @@ bool edit_sides(Panel* panel) {
     explain("or drag the line between the halves; 0 shows the right one alone, 1 the left one");
     ImGui::Checkbox("change both sides", &panel->linked);
     explain("but for the number of layers");
-    for (const PanelSide& side : panel->sides) { show_error(side.desc_error + side.frame_error); }
     if (!ImGui::BeginTabBar("sides")) { return false; }
     for (size_t i = 0; i < 2; ++i) {
         if (!ImGui::BeginTabItem(i == 0 ? "left" : "right")) { continue; }
@@ -488,26 +480,47 @@ std::string label_of(const PanelSide& side) {
 
 namespace {
 
-void draw_label(const std::string& text, float x, float y) {
+// Up to the column `end`.
+void draw_label(const std::string& text, float x, float y, float end) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     const float border = 0.4f * ImGui::GetTextLineHeight();
     ImDrawList* list = ImGui::GetBackgroundDrawList();
+    list->PushClipRect(ImVec2(0.0f, 0.0f), ImVec2(end, FLT_MAX), true);
     list->AddRectFilled(ImVec2(x - border, y - border), ImVec2(x + size.x + border, y + size.y + border),
                         IM_COL32(0, 0, 0, 160), border);
     list->AddText(ImVec2(x, y), IM_COL32_WHITE, text.c_str());
+    list->PopClipRect();
+}
+
+void draw_error(const char* side, const std::string& sentence) {
+    if (!sentence.empty()) { ImGui::TextWrapped("%s: %s", side, sentence.c_str()); }
 }
 
 } // namespace
 
 void draw_labels(const Panel& panel, float width, float height) {
     const float line = ImGui::GetTextLineHeight(), split = panel.shown_split(), x = split * width;
-    if (split > 0.0f) { draw_label(label_of(panel.sides[0]), line, line); }
-    if (split < 1.0f) { draw_label(label_of(panel.sides[1]), x + line, line); }
+    if (split > 0.0f) { draw_label(label_of(panel.sides[0]), line, line, x); }
+    if (split < 1.0f) { draw_label(label_of(panel.sides[1]), x + line, line, width); }
     if (split == 0.0f || split == 1.0f) { return; }
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     list->AddLine(ImVec2(x, 0.0f), ImVec2(x, height), IM_COL32(0, 0, 0, 160), 3.0f);
     list->AddLine(ImVec2(x, 0.0f), ImVec2(x, height), IM_COL32_WHITE, 1.0f);
     list->AddCircleFilled(ImVec2(x, 0.5f * height), 0.5f * line, IM_COL32_WHITE);
+}
+
+void draw_errors(const Panel& panel, float width, float height) {
+    const std::string left = panel.sides[0].desc_error + panel.sides[0].frame_error;
+    const std::string right = panel.sides[1].desc_error + panel.sides[1].frame_error;
+    if (left.empty() && right.empty()) { return; }
+    ImGui::SetNextWindowPos(ImVec2(0.0f, height), ImGuiCond_Always, ImVec2(0.0f, 1.0f));
+    ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.4f, 0.3f, 1.0f));
+    ImGui::Begin("errors", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs);
+    draw_error("left", left);
+    draw_error("right", right);
+    ImGui::End();
+    ImGui::PopStyleColor();
 }
 
 float panel_width(float window_width) {

@@ -99,7 +99,8 @@ std::string label_of(const PanelSide& side);
 // Of the window's width, in its own coordinates; at most half of it.
 float panel_width(float window_width);
 
-// Both between ImGui's NewFrame and Render. Sizes are those of the picture, which is left of the panel, in the window's own
+// All between ImGui's NewFrame and Render. Sizes are those of the picture, which is left of the panel, in the window's own
 // coordinates.
 void draw_labels(const Panel& panel, float width, float height);
+void draw_errors(const Panel& panel, float width, float height);
 PanelRequests draw_panel(Panel* panel, float left, float width, float height);

@@ -40,9 +40,9 @@ public:
 
     glm::ivec2 framebuffer_size() const; // pixels; 0 while the window is minimised
     glm::vec2 gui_size() const;          // in ImGui's coordinates, which are the window's
-    void begin_gui();
-    void end_gui(); // draws it
-    void show();    // what was drawn
+    static void begin_gui();
+    static void end_gui(); // draws it
+    void show();           // what was drawn
 
     static void* get_proc(const char* name);
 

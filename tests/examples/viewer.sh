@@ -238,6 +238,7 @@ plays() {
 if command -v xdotool >/dev/null; then
     check "a new size does not end it" plays 'windowsize $window 321 203' 'windowsize $window 64 48' \
         'windowsize $window 200 150'
+    check "nor do keys"                plays 'windowfocus $window key F1' 'key F2' 'key F5' 'key F10' 'key Tab Home space'
     check "F12 saves the window"       plays 'windowfocus $window key F12' 'key F1' 'key F12'
     check "its size is the window's"   png_size_is viewer_001.png "0 0 0 160 0 0 0 120"
     check "the next one has a new name" [ -s viewer_002.png ]
