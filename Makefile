@@ -22,9 +22,10 @@ flags := $(flags_$(config))
 $(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl epoxy glfw3 cmocka glm CLI11 stb tinygltf vulkan
+packages := egl epoxy glfw3 imgui cmocka glm CLI11 stb tinygltf vulkan
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
 vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
+imgui := $(shell pkg-config --exists imgui 2>/dev/null && echo imgui)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
@@ -40,8 +41,9 @@ program_names = $(basename $(notdir $(1)))
 
 # What several programs share is an archive: a program takes in only the parts it uses.
 example_parts   := $(sort $(wildcard examples/scene*.cpp) $(wildcard examples/image.cpp examples/headless.c))
-example_sources := $(filter-out $(example_parts),$(wildcard examples/*.c examples/*.cpp))
-examples        := $(addprefix $(B)/,$(call program_names,$(example_sources)))
+viewer_sources  := $(wildcard examples/viewer*.cpp)
+example_sources := $(filter-out $(example_parts) $(viewer_sources),$(wildcard examples/*.c examples/*.cpp))
+examples        := $(addprefix $(B)/,$(call program_names,$(example_sources)) $(if $(imgui),viewer))
 support         := $(wildcard tests/support/*.c)
 reference       := $(filter-out tests/reference/test_%,$(wildcard tests/reference/*.cpp))
 
@@ -113,6 +115,7 @@ check-reference: reference-tests ## the tests of the ray-traced reference
 	@tests/run $(call reference_tests,$(config))
 
 examples: $(examples) ## build every example
+	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
@@ -147,7 +150,7 @@ format-fix: ## format the sources
 
 tidy: ## run clang-tidy on the headers, the examples and the tests
 	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%),$(our_c)) -- -std=c99 $(CPPFLAGS))
-	@$(if $(our_cpp),clang-tidy --quiet $(our_cpp) -- -std=c++17 $(CPPFLAGS))
+	@$(if $(our_cpp),clang-tidy --quiet $(filter-out $(if $(imgui),,$(viewer_sources)),$(our_cpp)) -- -std=c++17 $(CPPFLAGS))
 
 clean: ## remove build/
 	@rm -rf build
@@ -193,10 +196,13 @@ $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CC),egl epoxy glfw3)
 
-# An example that needs one more package says so here, like `$(B)/viewer: extra := glfw3`.
 $(cpp_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
-	$(call link,$(CXX),egl epoxy $(gltf) $(extra))
+	$(call link,$(CXX),egl epoxy $(gltf))
+
+$(B)/viewer: $(call objects,$(viewer_sources)) $(B)/examples.a
+	$(call say,link)
+	$(call link,$(CXX),imgui glfw3 epoxy $(gltf))
 
 $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 	$(call say,link)

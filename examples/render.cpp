@@ -11,6 +11,7 @@
 #include "render_options.hpp"
 #include "render_pictures.hpp"
 #include "render_report.hpp"
+#include "render_scene.hpp"
 #include "scene.hpp"
 #include "scene_bake.hpp"
 #include "scene_renderer.hpp"
@@ -31,8 +32,6 @@ namespace fs = std::filesystem;
 using namespace render_pictures;
 using glm::vec3;
 using Picture = SceneRenderer::Picture;
-
-const PunctualLight kDefaultSun = sun_light(vec3(0.6f, 0.6f, 0.3f), 6.0f);
 
 // ---- OpenGL context -------------------------------------------------------------------------------------
 
@@ -84,45 +83,7 @@ dgb_plan make_plan(const dgb_desc& desc) {
     return plan;
 }
 
-Scene load_scene(const std::string& path) {
-    Scene scene;
-    std::string error;
-    if (path.empty() || path == "atrium") { return make_atrium(); }
-    if (path == "gallery") { return make_gallery(); }
-    if (!load_gltf(path, &scene, &error)) { throw std::runtime_error(error); }
-    return scene;
-}
-
-RenderCamera choose_camera(const Options& options, const Scene& scene) {
-    RenderCamera camera = options.camera           ? *options.camera
-                          : !scene.cameras.empty() ? camera_of_file(scene.cameras[0], scene)
-                                                   : framing_camera(scene, options.aspect());
-    if (options.ortho_height > 0.0f) { camera.height = options.ortho_height; }
-    if (camera.height > 0.0f && options.clip == ClipRange::reversed_infinite) {
-        throw std::runtime_error("--clip reversed-infinite needs a perspective camera");
-    }
-    set_planes(scene, &camera);
-    return camera;
-}
-
-// Those of the file, or else a sun, and what the command line adds.
-std::vector<PunctualLight> choose_lights(const Options& options, const Scene& scene) {
-    std::vector<PunctualLight> lights = scene.lights;
-    if (options.sun || lights.empty()) { lights.push_back(options.sun.value_or(kDefaultSun)); }
-    lights.insert(lights.end(), options.points.begin(), options.points.end());
-    return lights;
-}
-
 // ---- Output ---------------------------------------------------------------------------------------------
-
-void check_file(const std::string& path) {
-    const fs::path directory = fs::path(path).parent_path();
-    std::error_code error;
-    if (fs::is_directory(path, error)) { throw std::runtime_error("\"" + path + "\" is a directory"); }
-    if (!directory.empty() && !fs::is_directory(directory, error)) {
-        throw std::runtime_error("there is no directory \"" + directory.string() + "\"");
-    }
-}
 
 // Before the work starts, so that a typing error costs no time.
 void check_outputs(const Options& options) {
@@ -132,10 +93,6 @@ void check_outputs(const Options& options) {
     if (!options.out.empty() && fs::exists(options.out, error) && !fs::is_directory(options.out, error)) {
         throw std::runtime_error("\"" + options.out + "\" is not a directory");
     }
-}
-
-void require_written(bool written, const std::string& path) {
-    if (!written) { throw std::runtime_error("cannot write \"" + path + "\""); }
 }
 
 void make_directory(const std::string& path) {

@@ -1,4 +1,4 @@
-// The command line of render: options, their defaults, and what makes them wrong.
+// The command line of render, most of which the viewer shares: options, their defaults, and what makes them wrong.
 #pragma once
 
 #include "render_camera.hpp"
@@ -332,10 +332,13 @@ inline void apply(const Overrides& overrides, Options* options) {
     }
 }
 
-inline void add_outputs(CLI::App* app, Options* o) {
+inline void add_scene(CLI::App* app, Options* o) {
     app->add_option(
         "SCENE", o->scene,
         "glTF 2.0 file, .gltf or .glb; or one of the procedural scenes: atrium (the default), gallery (mirrors)");
+}
+
+inline void add_outputs(CLI::App* app, Options* o) {
     app->add_option(
         "--out", o->out,
         "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
@@ -354,6 +357,14 @@ inline void add_outputs(CLI::App* app, Options* o) {
     app->add_flag("--plan", o->plan, "print passes, textures and bytes, and render nothing")->disable_flag_override();
     app->add_flag("--profile", o->profile, "wait for the GPU after each pass, so that its CPU time is all its time")
         ->disable_flag_override();
+    app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")
+        ->check(between(1, 1e6, "1 to 1000000"));
+    app->add_option("--bounces", o->bounces,
+                    "bounces of light that the last frame shows, at most one a frame (default: one more each frame)")
+        ->check(between(1, 1e6, "1 to 1000000"));
+    app->add_option_function<std::string>(
+        "--compare-bounces", [=](const std::string& list) { o->compared_bounces = parse_bounces(list); },
+        "N,N,...: --out gets bounces.png, too: the last frame after so many bounces each, side by side");
 }
 
 inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
@@ -410,12 +421,6 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
     app->add_option("--ao-radius", overrides->ao_radius, "reach of ambient occlusion, m (default 1)")
         ->check(positive());
-    app->add_option("--bounces", o->bounces,
-                    "bounces of light that the last frame shows, at most one a frame (default: one more each frame)")
-        ->check(between(1, 1e6, "1 to 1000000"));
-    app->add_option_function<std::string>(
-        "--compare-bounces", [=](const std::string& list) { o->compared_bounces = parse_bounces(list); },
-        "N,N,...: --out gets bounces.png, too: the last frame after so many bounces each, side by side");
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));
     app->add_option_function<std::string>(
@@ -469,8 +474,6 @@ inline void add_picture(CLI::App* app, Options* o) {
         "the first frame, in direct light and two bounces of it, with --sky where it is open");
     app->add_option("--exposure", o->exposure, "powers of two, PNG only (default 0)")
         ->check(between(-30, 30, "-30 to 30"));
-    app->add_option("--frames", o->frames, "frames to render; files show the last (default 8)")
-        ->check(between(1, 1e6, "1 to 1000000"));
     app->add_option("--orbit", o->orbit, "degrees that the camera turns around its target a frame (default 0)")
         ->check(between(-360, 360, "-360 to 360 degrees"));
     app->add_option("--time", o->time, "what an animation shows in the first frame, s (default 0)")
@@ -511,6 +514,7 @@ inline Options parse_options(CLI::App* app, int argc, char** argv) {
     Options options;
     Overrides overrides;
     app->set_help_flag("--help", "print this help");
+    add_scene(app, &options);
     add_outputs(app, &options);
     add_layers(app, &options, &overrides);
     add_shading(app, &options, &overrides);

@@ -225,6 +225,10 @@ void set_uniform(GLuint program, const char* name, vec3 value) {
     glUniform3fv(glGetUniformLocation(program, name), 1, glm::value_ptr(value));
 }
 
+void set_uniform(GLuint program, const char* name, glm::vec4 value) {
+    glUniform4fv(glGetUniformLocation(program, name), 1, glm::value_ptr(value));
+}
+
 void set_uniform(GLuint program, const char* name, const mat4& value) {
     glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, glm::value_ptr(value));
 }

@@ -59,6 +59,7 @@ GlObject make_fullscreen_program(const std::string& what, const std::string& fra
 void set_uniform(GLuint program, const char* name, int value);
 void set_uniform(GLuint program, const char* name, float value);
 void set_uniform(GLuint program, const char* name, glm::vec3 value);
+void set_uniform(GLuint program, const char* name, glm::vec4 value);
 void set_uniform(GLuint program, const char* name, const glm::mat4& value);
 void set_uniform(GLuint program, const char* name, const std::vector<glm::vec3>& values);
 

@@ -361,6 +361,7 @@ void SceneRenderer::make_targets() {
     read_framebuffer_ = make_framebuffer();
 
     direct_ = make_target(GL_RGBA16F, plan().width, plan().height);
+    light_framebuffers_.clear();
     for (int layer = 0; layer < plan().layers; ++layer) {
         const GLuint framebuffer = light_framebuffers_.emplace_back(make_framebuffer()).name();
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -377,6 +378,20 @@ void SceneRenderer::make_targets() {
     }
     glDrawBuffers(3, buffers);
     check_framebuffer("composite");
+}
+
+void SceneRenderer::resize(int width, int height) {
+    if (width == desc_.layers.width && height == desc_.layers.height) { return; }
+    library_.complaint.clear();
+    if (dgb_resize(&library_.context, width, height) != DGB_OK) { throw std::runtime_error(library_.complaint); }
+    desc_.layers.width = width;
+    desc_.layers.height = height;
+    make_targets();
+}
+
+void SceneRenderer::set_surroundings(const Sky& sky, const Probe& probe) {
+    desc_.sky = sky;
+    desc_.probe = probe;
 }
 
 GLuint SceneRenderer::texture(dgb_slot slot) const {

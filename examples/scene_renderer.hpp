@@ -81,6 +81,13 @@ public:
     const GpuPose& drawn_pose() const { return *drawn_; }
 
     const dgb_plan& plan() const { return library_.context.plan; }
+    const dgb_desc& layers() const { return desc_.layers; } // as the renderer was asked for them
+
+    // Pixels of the image. The next frame has no past. Throws std::runtime_error, and then goes on with the old size, when the
+    // device has no room.
+    void resize(int width, int height);
+    // What is seen where there is no surface, and what a surface gets from where none is known, from the next frame on.
+    void set_surroundings(const Sky& sky, const Probe& probe);
 
     // What it took to build the last frame's layers.
     DrawCounts draw_counts() const { return draw_counts_; }
@@ -89,6 +96,14 @@ public:
     // All pictures are of the last frame, without guard band, bottom row first.
     enum class Picture { final, direct, indirect }; // linear RGB; direct holds emission and the sky's pixels
     std::vector<float> read_picture(Picture picture) const;
+    // The same for a shader: the picture; a texture of the library, guard band included; the camera of the layers. The next
+    // frame or its shading may take another texture.
+    GLuint picture(Picture picture) const { return pictures_[int(picture)].name(); }
+    GLuint texture(dgb_slot slot) const;
+    bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
+    const dgb_camera& camera() const { return library_.context.camera; }
+    int divisor(int layer) const { return layer > 0 ? std::max(desc_.layers.divisor, 1) : 1; } // of its resolution
+
     // format: GL_RED, GL_RGB or GL_RGBA. layer is 0 for textures without layers. A layer of lower resolution is enlarged.
     std::vector<float> read_texture(dgb_slot slot, int layer, GLenum format) const;
     // Camera z in metres, 0 where empty: what the shading read, strict separation included.
@@ -128,9 +143,6 @@ private:
     glm::mat4 rays_from_buffer() const;
     glm::mat4 from_buffer(const glm::mat4& view) const;
     float empty_depth() const { return desc_.layers.reversed ? 0.0f : 1.0f; }
-    bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
-    GLuint texture(dgb_slot slot) const;
-    int divisor(int layer) const { return layer > 0 ? std::max(desc_.layers.divisor, 1) : 1; }
     std::vector<float> read_linear_depth(int layer) const;
     std::vector<float> read_pixels(GLenum attachment, GLenum format, int first, int divisor) const;
 
