@@ -641,7 +641,8 @@ DGB_API void dgb_slice_along(const float n[3], const float v[3], const float s[3
    the normal's projection on the slice's plane. A normal that faces away from the eye counts as at right angles to it. */
 DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3], float slice[4]);
 /* Share of a slice's cosine-weighted light that arrives between the eye and a direction q {towards the eye, along}, of any
-   length: 0 at the eye, 1 at the surface's horizon and below it, and where something is not finite. Within 1e-3. */
+   length: 0 at the eye, 1 at the surface's horizon, below it, on the other side of the line of sight, and where something is not
+   finite. Within 1e-3. */
 DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
 /* The sectors, of 32 equal shares, from one share to another, both 0..1. u in 0..1, the same for all that are joined or compared,
    rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
@@ -1485,10 +1486,10 @@ DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3],
 DGB_API float dgb_slice_share(const float slice[4], const float q[2]) {
     const float length2 = q[0] * q[0] + q[1] * q[1];
     const float length = sqrtf(length2 > 1e-30f ? length2 : 1e-30f);
-    const float c = q[0] / length, s = fabsf(q[1]) / length, angle = (float)(0.5 * DGBI_PI) - dgb_arc_sine(c);
+    const float c = q[0] / length, s = q[1] / length, angle = (float)(0.5 * DGBI_PI) - dgb_arc_sine(c);
     const float above = c * slice[0] + s * slice[1];
     const float share = (s * s * slice[0] + (angle - s * c) * slice[1]) * slice[3];
-    if (!dgbi_is_finite(share) || !dgbi_is_finite(above) || !(above > 0.0f)) return 1.0f;
+    if (!dgbi_is_finite(share) || !dgbi_is_finite(above) || !(s >= 0.0f) || !(above > 0.0f)) return 1.0f;
     return share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
 }
 

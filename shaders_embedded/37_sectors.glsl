@@ -27,8 +27,8 @@ vec4 dgb_slice(vec3 n, vec3 v, vec3 along) {
 float dgb_slice_share(vec4 slice, vec2 q) {
     vec2  d     = q * inversesqrt(max(dot(q, q), 1e-30));
     float angle = 0.5 * DGB_PI - dgb_arc_sine(d.x);
-    float share = (d.y * d.y * slice.x + (angle - d.x * abs(d.y)) * slice.y) * slice.w;
-    return dot(vec2(d.x, abs(d.y)), slice.xy) > 0.0 ? clamp(share, 0.0, 1.0) : 1.0;
+    float share = (d.y * d.y * slice.x + (angle - d.x * d.y) * slice.y) * slice.w;
+    return d.y >= 0.0 && dot(d, slice.xy) > 0.0 ? clamp(share, 0.0, 1.0) : 1.0;
 }
 
 uint dgb_sectors(float from, float to, float u) {

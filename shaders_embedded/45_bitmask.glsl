@@ -76,7 +76,7 @@ dgb_march dgb_march_at(dgb_receiver r, float shift) {
     vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));
     vec3  across   = cross(d, r.v);
     vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));
-    vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 0.04));
+    vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 1e-4));
     vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
     dgb_march m;
     m.slice     = dgb_slice(r.n, r.v, d);
@@ -124,7 +124,7 @@ vec4 dgb_ends_beside(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, fl
 }
 
 // Whether direction a is nearer to the eye than b.
-bool dgb_nearer(vec2 a, vec2 b) { return a.x * abs(b.y) > b.x * abs(a.y); }
+bool dgb_nearer(vec2 a, vec2 b) { return a.x * b.y > b.x * a.y; }
 #endif
 
 // Sectors that a surface covers with what is behind it. step: pixels that it stands for, before and after it; u: of the sectors

@@ -93,7 +93,7 @@ static void test_share(void** state) {
             const float share = dgb_slice_share(slice, q), mirrored[2] = {q[0], -q[1]};
             /* the error of the angle, 7e-5, over what a slice so narrow holds, 0.015 at -85 degrees */
             assert_true(fabs((double)share - integrated_share(g, t)) < 1e-3 + 7e-5 * (double)slice[3]);
-            assert_true(dgb_slice_share(slice, mirrored) == share);
+            assert_true(mirrored[1] >= 0.0f || dgb_slice_share(slice, mirrored) == 1.0f);
             assert_true(share >= last - 1e-3f); /* grows from the eye on */
             last = share;
         }
