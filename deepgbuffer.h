@@ -121,6 +121,14 @@
        samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
        min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
        results.
+       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of the
+       cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what is
+       behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is the
+       probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say. The
+       taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for TEMPORAL, more
+       share out the noise. thickness is how far behind its surface an object is taken to hide: the second layer ends it where
+       that is nearer. With normal_test a sender stands for the whole step around it, along its plane; without, light leaks past
+       surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
        DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
@@ -129,7 +137,7 @@
        frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
-       Confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
+       PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
        mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
@@ -186,6 +194,9 @@
        dgb_ggx_alpha            any float          exact square                 NaN, below 1/512: 0; above 1: 1
        dgb_ggx_normal           any float          see above it                 always finite
        dgb_ggx_density          any float          a few ulp, relative          not finite, alpha <= 0: 0
+       dgb_arc_sine             any float          6.8e-5                       beyond +-1: that of +-1
+       dgb_slice_share          any float          1e-3                         not finite: 1
+       dgb_sectors              any float          exact                        NaN: the first sector's end
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
@@ -244,6 +255,7 @@ extern "C" {
 #define DGB_MIN_COSINE 0.017f     /* light that grazes a receiver within the error of an Oct16 normal is not counted */
 #define DGB_MIN_ROUGHNESS (1.0f / 512.0f) /* below it a surface is a mirror; a byte above 0 is rougher */
 #define DGB_MAX_GLOSSY_TAPS 32            /* neighbours whose rays a pixel takes into account */
+#define DGB_MAX_SLICES 8                  /* of the visibility bitmask */
 #define DGB_ROTATION_COUNT 256            /* rotations of the spiral */
 #define DGB_TILE_SIZE 16                  /* pixels along one side of a tile */
 #define DGB_REGION_SIZE 128
@@ -293,6 +305,7 @@ typedef enum dgb_result {
     X(AO_PARAMS,                                                                                                    \
       "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")        \
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                              \
+    X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                         \
     X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                       \
     X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")            \
     X(REFLECT_PARAMS,                                                                                               \
@@ -391,6 +404,12 @@ typedef enum dgb_normaliser { /* what divides the gathered sum */
                               DGB_NORMALISER_PAPER, /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
                               DGB_NORMALISER_COUNT
 } dgb_normaliser;
+
+typedef enum dgb_estimator {                          /* what AO and RADIOSITY compute */
+                             DGB_ESTIMATOR_PAPER = 0, /* the paper's Equations 1 to 5 */
+                             DGB_ESTIMATOR_BITMASK, /* shares of the hemisphere that surfaces cover, nearer ones first */
+                             DGB_ESTIMATOR_COUNT
+} dgb_estimator;
 
 typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
                           DGB_TRACER_LINEAR = 0,   /* every step is tested */
@@ -611,6 +630,27 @@ DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturate
 DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
                                    float plane_sharpness);
 
+/* The visibility bitmask (Therrien et al. 2023); twins in shaders_embedded/37_sectors.glsl. Directions from a point are looked at
+   in slices: half planes that begin at the line of sight and extend `along` a unit vector across it. A direction of a slice is
+   its parts towards the eye and along; its angle is 0 towards the eye, pi away from it. */
+
+/* asin(x) by a polynomial (Abramowitz and Stegun 4.4.45): within 6.8e-5. Beyond +-1: that of +-1. NaN: NaN. */
+DGB_API float dgb_arc_sine(float x);
+/* The slice of the direction n + s: s on the unit sphere, evenly, gives directions of the cosine-weighted hemisphere about the
+   unit normal n, and so slices by the light that arrives in them. v: unit, towards the eye. Without one, +X. */
+DGB_API void dgb_slice_along(const float n[3], const float v[3], const float s[3], float along[3]);
+/* What the shares of a slice depend on: cos g, sin g, g, 1 / (cos g + (g + pi/2) sin g), g the angle, -pi/2..pi/2, from the eye to
+   the normal's projection on the slice's plane. A normal that faces away from the eye counts as at right angles to it. */
+DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3], float slice[4]);
+/* Share of a slice's cosine-weighted light that arrives between the eye and a direction q {towards the eye, along}, of any
+   length: 0 at the eye, 1 at the surface's horizon, below it, on the other side of the line of sight, and where something is not
+   finite. Within 1e-3. */
+DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
+/* The sectors, of 32 equal shares, from one share to another, both 0..1. u in 0..1, the same for all that are joined or compared,
+   rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
+DGB_API uint32_t dgb_sectors(float from, float to, float u);
+DGB_API int dgb_sector_count(uint32_t sectors);
+
 /* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
 DGB_API float dgb_ggx_alpha(float roughness);
 /* One of the microfacets that a viewer sees on a surface with unit normal n: GGX distribution of visible normals of width
@@ -639,6 +679,9 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int samples;      /* taps N, 1..256 */
     bool normal_test; /* senders must face the receiver (Equation 5, second half) */
     int min_level;    /* minimum MIP level, 0..5 */
+
+    int slices;      /* BITMASK: planes through the line of sight that share the taps, half to each side; 1..8 */
+    float thickness; /* BITMASK: how far behind a surface its object hides, unless the second layer is nearer, m */
 
     float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
     float
@@ -823,6 +866,14 @@ typedef struct dgb_gather_uniforms {
     float taps[DGB_MAX_TAPS][4];
 } dgb_gather_uniforms;
 
+typedef struct dgb_bitmask_uniforms { /* BITMASK: of AO and GATHER */
+    dgb_camera camera;
+    int32_t size[4];  /* buffer width and height, steps to each side of a slice, frame */
+    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
+    float radius[4];  /* r (m), r^2, thickness (m), largest radius in pixels */
+    float scale[4];   /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+} dgb_bitmask_uniforms;
+
 typedef struct dgb_temporal_uniforms {
     dgb_camera camera;
     float weight[4]; /* x: of history */
@@ -876,6 +927,7 @@ typedef struct dgb_desc { /* 0 means default */
     dgb_senders senders;
     dgb_normaliser normaliser;
     dgb_tracer tracer;
+    dgb_estimator estimator;
     const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
     dgb_log_fn log;             /* may be null */
     void* log_user;
@@ -1408,6 +1460,66 @@ DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const fl
     return dgbi_is_finite(weight) ? weight : 0.0f;
 }
 
+/* >> visibility bitmask: slices and sectors */
+
+DGB_API float dgb_arc_sine(float x) {
+    const float a = fabsf(x) > 1.0f ? 1.0f : fabsf(x);
+    const float b =
+        (float)(0.5 * DGBI_PI) - sqrtf(1.0f - a) * (1.5707288f + a * (-0.2121144f + a * (0.0742610f - 0.0187293f * a)));
+    return x < 0.0f ? -b : b;
+}
+
+DGB_API void dgb_slice_along(const float n[3], const float v[3], const float s[3], float along[3]) {
+    const float w[3] = {n[0] + s[0], n[1] + s[1], n[2] + s[2]}, towards = dgbi_dot(w, v);
+    const float d[3] = {w[0] - towards * v[0], w[1] - towards * v[1], w[2] - towards * v[2]}, d2 = dgbi_dot(d, d);
+    const bool valid = dgbi_is_finite(d2) && d2 > 1e-12f;
+    int i;
+    for (i = 0; i < 3; ++i) along[i] = valid ? d[i] / sqrtf(d2) : i == 0 ? 1.0f : 0.0f;
+}
+
+DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3], float slice[4]) {
+    const float towards = dgbi_max0(dgbi_dot(n, v)), across = dgbi_dot(n, along);
+    const float length2 = towards * towards + across * across;
+    const bool valid = dgbi_is_finite(length2) && length2 > 1e-12f;
+    float whole;
+    slice[0] = valid ? towards / sqrtf(length2) : 1.0f;
+    slice[1] = valid ? across / sqrtf(length2) : 0.0f;
+    slice[2] = dgb_arc_sine(slice[1]);
+    whole = slice[0] + (slice[2] + (float)(0.5 * DGBI_PI)) * slice[1];
+    slice[3] = 1.0f / (whole > 1e-5f ? whole : 1e-5f);
+}
+
+/* The integral of cos(t - g) sin t from 0 to the angle of q, times 2 / (the same to the horizon): with its sine s and cosine c,
+   s^2 cos g + (angle - s c) sin g. */
+DGB_API float dgb_slice_share(const float slice[4], const float q[2]) {
+    const float length2 = q[0] * q[0] + q[1] * q[1];
+    const float length = sqrtf(length2 > 1e-30f ? length2 : 1e-30f);
+    const float c = q[0] / length, s = q[1] / length, angle = (float)(0.5 * DGBI_PI) - dgb_arc_sine(c);
+    const float above = c * slice[0] + s * slice[1];
+    const float share = (s * s * slice[0] + (angle - s * c) * slice[1]) * slice[3];
+    if (!dgbi_is_finite(share) || !dgbi_is_finite(above) || !(s >= 0.0f) || !(above > 0.0f)) return 1.0f;
+    return share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
+}
+
+/* The lowest `count` sectors. */
+static uint32_t dgbi_lowest(uint32_t count) { return count < 32u ? (1u << count) - 1u : 0xffffffffu; }
+
+/* Which sector's end a share rounds to; NaN and below 0: the first. */
+static uint32_t dgbi_sector_end(float share, float u) {
+    const float end = share * 32.0f + u;
+    return dgbi_is_finite(end) && end > 0.0f ? (uint32_t)(end < 32.0f ? end : 32.0f) : 0u;
+}
+
+DGB_API uint32_t dgb_sectors(float from, float to, float u) {
+    return dgbi_lowest(dgbi_sector_end(to, u)) & ~dgbi_lowest(dgbi_sector_end(from, u));
+}
+
+DGB_API int dgb_sector_count(uint32_t sectors) {
+    const uint32_t pairs = sectors - (sectors >> 1 & 0x55555555u);
+    const uint32_t fours = (pairs & 0x33333333u) + (pairs >> 2 & 0x33333333u);
+    return (int)(((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24);
+}
+
 /* >> reflections: the lobe */
 
 DGB_API float dgb_ggx_alpha(float roughness) {
@@ -1492,6 +1604,8 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.samples = table[row].samples;
     p.normal_test = table[row].normal_test;
     p.min_level = table[row].min_level;
+    p.slices = 1;
+    p.thickness = 0.25f;
     p.bounce_damping = 1.0f;
     p.boost_unsaturated = 1.0f;
     p.boost_saturated = 1.0f;
@@ -1583,6 +1697,9 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_at_least(p->ao_intensity, 0.0f))
         return DGB_LOG_AO_PARAMS;
     if (!dgbi_is_radius(p->radius) || !dgbi_in_range(p->samples, 1, DGB_MAX_TAPS)) return DGB_LOG_GATHER_PARAMS;
+    if (!dgbi_in_range(p->slices, 1, DGB_MAX_SLICES) || !dgbi_at_least(p->thickness, 0.0f) ||
+        p->thickness > DGB_MAX_RADIUS)
+        return DGB_LOG_BITMASK_PARAMS;
     if (!dgbi_at_least(p->bounce_damping, 0.0f) || p->bounce_damping > 1.0f ||
         !dgbi_at_least(p->boost_unsaturated, 0.0f) || !dgbi_at_least(p->boost_saturated, 0.0f))
         return DGB_LOG_BOUNCE_PARAMS;
@@ -1712,6 +1829,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->senders, 0, DGB_SENDERS_COUNT - 1) ||
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
         !dgbi_in_range((int)d->tracer, 0, DGB_TRACER_COUNT - 1) ||
+        !dgbi_in_range((int)d->estimator, 0, DGB_ESTIMATOR_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
@@ -2002,6 +2120,10 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_AO, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+    if (d->estimator == DGB_ESTIMATOR_BITMASK) {
+        dgbi_add_define(plan, "DGB_NORMAL_TEST", 0);
+        dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 0);
+    }
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
@@ -2019,9 +2141,11 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
         dgbi_add_program(plan, DGB_PASS_GATHER);
         dgbi_add_define(plan, "DGB_LAYERS", w->layers);
         dgbi_add_define(plan, "DGB_NORMAL_TEST", normal_test);
-        dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
+        if (d->estimator == DGB_ESTIMATOR_PAPER)
+            dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
         dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
         dgbi_add_define(plan, "DGB_DEEP", w->deep);
+        if (d->estimator == DGB_ESTIMATOR_BITMASK) dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2823,9 +2947,11 @@ static void dgbi_fill_reprojection(const dgb_context* c, const dgb_params* q, bo
 
 /* Whether what is computed is the same; parameters that only change how well are left out. */
 static bool dgbi_same_result(const dgb_params* a, const dgb_params* b) {
-    const float x[] = {a->separation, a->ao_radius, a->ao_bias, a->ao_epsilon, a->ao_intensity, a->radius},
-                y[] = {b->separation, b->ao_radius, b->ao_bias, b->ao_epsilon, b->ao_intensity, b->radius};
-    return dgbi_same_bits(x, y, 6) && a->strict_separation == b->strict_separation &&
+    const float x[] = {a->separation,   a->ao_radius, a->ao_bias,  a->ao_epsilon,
+                       a->ao_intensity, a->radius,    a->thickness},
+                y[] = {b->separation,   b->ao_radius, b->ao_bias,  b->ao_epsilon,
+                       b->ao_intensity, b->radius,    b->thickness};
+    return dgbi_same_bits(x, y, 7) && a->strict_separation == b->strict_separation &&
            a->second_alone == b->second_alone;
 }
 
@@ -2882,12 +3008,14 @@ static float dgbi_max_reach(const dgb_context* c) {
     return sqrtf((float)c->plan.width * (float)c->plan.width + (float)c->plan.height * (float)c->plan.height);
 }
 
+/* For the bitmask a surface matters as far away as its object reaches behind it. */
 static void dgbi_tiles_uniforms(const dgb_context* c, const dgb_params* q, dgb_tiles_uniforms* u) {
+    const float behind = c->desc.estimator == DGB_ESTIMATOR_BITMASK ? q->thickness : 0.0f;
     const int least = q->ao_min_level > q->min_level ? q->ao_min_level : q->min_level;
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
-    u->radius[0] = q->ao_radius;
-    u->radius[1] = q->radius;
+    u->radius[0] = q->ao_radius + behind;
+    u->radius[1] = q->radius + behind;
     u->radius[2] = dgbi_max_reach(c);
     u->radius[3] = (float)(1 << least);
 }
@@ -2919,6 +3047,24 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     u->radius[3] = dgbi_max_reach(c);
     u->first[0] = q->second_alone ? 0.0f : 1.0f;
     dgbi_fill_taps(q->samples, u->taps);
+}
+
+/* Taps are shared among the slices, evenly to both sides; a slice has one to each at least. */
+static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, bool light, dgb_bitmask_uniforms* u) {
+    const int steps = (light ? q->samples : q->ao_samples) / (2 * q->slices);
+    const float radius = light ? q->radius : q->ao_radius;
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    dgbi_fill_size(c, q, steps > 1 ? steps : 1, u->size);
+    dgbi_fill_level(c, q, light ? DGB_GATHER_LOG2_Q : DGB_AO_LOG2_Q, light ? q->min_level : q->ao_min_level, u->level);
+    u->radius[0] = radius;
+    u->radius[1] = radius * radius;
+    u->radius[2] = q->thickness;
+    u->radius[3] = dgbi_max_reach(c);
+    u->scale[0] = (float)q->slices;
+    u->scale[1] = 1.0f / (float)q->slices;
+    u->scale[2] = q->ao_intensity;
+    u->scale[3] = q->second_alone ? 0.0f : 1.0f;
 }
 
 static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dgb_temporal_uniforms* u) {
@@ -3007,11 +3153,13 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         dgb_tiles_uniforms tiles;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
+        dgb_bitmask_uniforms bitmask;
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
         dgb_reflect_uniforms reflect;
         dgb_glossy_uniforms glossy;
     } u;
+    const bool bitmask = c->desc.estimator == DGB_ESTIMATOR_BITMASK;
     size_t size = 0;
     switch (pass->id) {
     case DGB_PASS_PACK: dgbi_pack_uniforms(c, q, &u.pack), size = sizeof u.pack; break;
@@ -3019,8 +3167,14 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
         if (pass->level < 2) return; /* they only look for extremes */
         dgbi_tiles_uniforms(c, q, &u.tiles), size = sizeof u.tiles;
         break;
-    case DGB_PASS_AO: dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao; break;
-    case DGB_PASS_GATHER: dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather; break;
+    case DGB_PASS_AO:
+        if (bitmask) dgbi_bitmask_uniforms(c, q, false, &u.bitmask), size = sizeof u.bitmask;
+        if (!bitmask) dgbi_ao_uniforms(c, q, &u.ao), size = sizeof u.ao;
+        break;
+    case DGB_PASS_GATHER:
+        if (bitmask) dgbi_bitmask_uniforms(c, q, true, &u.bitmask), size = sizeof u.bitmask;
+        if (!bitmask) dgbi_gather_uniforms(c, q, &u.gather), size = sizeof u.gather;
+        break;
     case DGB_PASS_TEMPORAL: dgbi_temporal_uniforms(c, q, &u.temporal), size = sizeof u.temporal; break;
     case DGB_PASS_RECONSTRUCT:
         dgbi_reconstruct_uniforms(c, q, pass->level, &u.reconstruct), size = sizeof u.reconstruct;

@@ -1353,6 +1353,55 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     0
 };
 
+static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
+    "#line 370001\n"
+    "// The mathematics of the visibility bitmask (Therrien et al. 2023). A slice is a half plane bounded by the line of sight. Each\n"
+    "// function is the twin of the C function of the same name in deepgbuffer.h, which documents it.\n"
+    "\n"
+    "float dgb_arc_sine(float x) {\n"
+    "    float a = min(abs(x), 1.0);\n"
+    "    float b = 1.57079633 - sqrt(1.0 - a) * (1.5707288 + a * (-0.2121144 + a * (0.0742610 - 0.0187293 * a)));\n"
+    "    return x < 0.0 ? -b : b;\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_slice_along(vec3 n, vec3 v, vec3 s) {\n"
+    "    vec3  w  = n + s;\n"
+    "    vec3  d  = w - dot(w, v) * v;\n"
+    "    float d2 = dot(d, d);\n"
+    "    return d2 > 1e-12 ? d * inversesqrt(d2) : vec3(1.0, 0.0, 0.0);\n"
+    "}\n"
+    "\n"
+    "// cos g, sin g, g, 1 / (cos g + (g + pi/2) sin g)\n"
+    "vec4 dgb_slice(vec3 n, vec3 v, vec3 along) {\n"
+    "    vec2  p  = vec2(max(dot(n, v), 0.0), dot(n, along));\n"
+    "    float p2 = dot(p, p);\n"
+    "    p        = p2 > 1e-12 ? p * inversesqrt(p2) : vec2(1.0, 0.0);\n"
+    "    float g  = dgb_arc_sine(p.y);\n"
+    "    return vec4(p, g, 1.0 / max(p.x + (g + 0.5 * DGB_PI) * p.y, 1e-5));\n"
+    "}\n"
+    "\n"
+    "// q: towards the eye, along\n"
+    "float dgb_slice_share(vec4 slice, vec2 q) {\n"
+    "    vec2  d     = q * inversesqrt(max(dot(q, q), 1e-30));\n"
+    "    float angle = 0.5 * DGB_PI - dgb_arc_sine(d.x);\n"
+    "    float share = (d.y * d.y * slice.x + (angle - d.x * d.y) * slice.y) * slice.w;\n"
+    "    return d.y >= 0.0 && dot(d, slice.xy) > 0.0 ? clamp(share, 0.0, 1.0) : 1.0;\n"
+    "}\n"
+    "\n"
+    "uint dgb_sectors(float from, float to, float u) {\n"
+    "    uint low = uint(from * 32.0 + u), high = uint(to * 32.0 + u);\n"
+    "    uint below_high = high < 32u ? (1u << high) - 1u : 0xffffffffu, below_low = low < 32u ? (1u << low) - 1u : 0xffffffffu;\n"
+    "    return below_high & ~below_low;\n"
+    "}\n"
+    "\n"
+    "int dgb_sector_count(uint sectors) { // language versions 330 and 300 es have no bitCount\n"
+    "    uint pairs = sectors - ((sectors >> 1) & 0x55555555u);\n"
+    "    uint fours = (pairs & 0x33333333u) + ((pairs >> 2) & 0x33333333u);\n"
+    "    return int((((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);\n"
+    "}\n",
+    0
+};
+
 static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
     "#line 400001\n"
     "// Ambient occlusion: Equations 1 and 2 of the paper over one or two layers. For a tap beyond the buffer the border stands in:\n"
@@ -1423,6 +1472,250 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
     "    visibility       = dgb_ao_scale.y == 1.0 ? visibility : pow(visibility, dgb_ao_scale.y);\n"
     "    float full       = clamp((reach - DGB_AO_FADE_START) / (DGB_AO_FADE_END - DGB_AO_FADE_START), 0.0, 1.0);\n"
     "    dgb_out_ao       = vec4(taps > 0 ? mix(1.0, visibility, full) : 1.0);\n"
+    "}\n",
+    0
+};
+
+static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
+    "#line 450001\n"
+    "// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers\n"
+    "// (Therrien et al. 2023), here of two layers, the first no thicker than the way to the second. Slices are marched from near to far:\n"
+    "// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals\n"
+    "// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer\n"
+    "// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.\n"
+    "\n"
+    "layout(std140) uniform dgb_bitmask_block {\n"
+    "    dgb_camera dgb_bitmask_camera;\n"
+    "    ivec4      dgb_bitmask_size;   // buffer width, height, steps of a slice, frame\n"
+    "    ivec4      dgb_bitmask_level;  // log2 q, min level, max level, 1: the second layer matters everywhere\n"
+    "    vec4       dgb_bitmask_radius; // r (m), r^2, thickness (m), largest reach (pixels)\n"
+    "    vec4       dgb_bitmask_scale;  // slices, 1 / slices, exponent of visibility, 0 to leave out the first layer\n"
+    "};\n"
+    "\n"
+    "uniform sampler2D dgb_z;\n"
+    "uniform sampler2D dgb_normals;\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "uniform sampler2D dgb_b0;\n"
+    "#if DGB_LAYERS > 1\n"
+    "uniform sampler2D dgb_b1;\n"
+    "#endif\n"
+    "layout(location = 0) out vec4 dgb_out_irradiance;\n"
+    "#if DGB_DEEP\n"
+    "layout(location = 1) out vec4 dgb_out_irradiance1;\n"
+    "#endif\n"
+    "#else\n"
+    "layout(location = 0) out vec4 dgb_out_ao;\n"
+    "#endif\n"
+    "\n"
+    "struct dgb_receiver {\n"
+    "    ivec2 pixel;\n"
+    "    vec2  at; // where the surface is, pixels\n"
+    "    vec3  x, n, v; // v: towards the eye\n"
+    "    float reach;   // pixels\n"
+    "    vec4  noise;   // of the slice: angle, height; of the steps, of the sectors; 0..1\n"
+    "};\n"
+    "\n"
+    "struct dgb_march { // along one slice\n"
+    "    vec4 slice;\n"
+    "    vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane\n"
+    "    vec2 direction;      // in the image\n"
+    "    uint seen;           // sectors that are covered\n"
+    "    vec3 light;          // sum over sectors\n"
+    "};\n"
+    "\n"
+    "// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; those within the radius have s from far to\n"
+    "// near, none for far > near.\n"
+    "struct dgb_sight {\n"
+    "    vec2  offset, slope;\n"
+    "    float far, near;\n"
+    "};\n"
+    "\n"
+    "struct dgb_surface {\n"
+    "    float s, thickness; // depth from x.z on, m\n"
+    "    vec3  n;            // of any length; 0 where it is not read\n"
+    "};\n"
+    "\n"
+    "dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {\n"
+    "    dgb_receiver r;\n"
+    "    r.pixel = pixel;\n"
+    "    r.at    = dgb_centre(layer, pixel);\n"
+    "    r.x     = dgb_position(r.at, z, dgb_bitmask_camera);\n"
+    "    r.n     = dgb_oct16_decode(normal);\n"
+    "    r.v     = -dgb_view(r.x, dgb_bitmask_camera);\n"
+    "    r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);\n"
+    "    // other pixels' numbers, which take other turns over the frames: the two pairs have nothing in common\n"
+    "    r.noise = vec4(dgb_pixel_pair(pixel, dgb_bitmask_size.w), dgb_pixel_pair(pixel + ivec2(16384, 0), dgb_bitmask_size.w * 31));\n"
+    "    return r;\n"
+    "}\n"
+    "\n"
+    "// Slice i: a direction of the cosine-weighted hemisphere picks it, so all slices weigh alike. shift: i of all, 0..1\n"
+    "dgb_march dgb_march_at(dgb_receiver r, float shift) {\n"
+    "    vec4  noise    = fract(r.noise + shift);\n"
+    "    vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;\n"
+    "    float height   = 1.0 - 2.0 * noise.y;\n"
+    "    vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));\n"
+    "    vec3  across   = cross(d, r.v);\n"
+    "    vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));\n"
+    "    vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 1e-4));\n"
+    "    vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
+    "    dgb_march m;\n"
+    "    m.slice     = dgb_slice(r.n, r.v, d);\n"
+    "    m.towards   = r.v + oblique.x * across;\n"
+    "    m.along     = d + oblique.y * across;\n"
+    "    vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d\n",
+    "    m.direction = moved * inversesqrt(max(dot(moved, moved), 1e-30));\n"
+    "    m.seen      = 0u;\n"
+    "    m.light     = vec3(0.0);\n"
+    "    return m;\n"
+    "}\n"
+    "\n"
+    "dgb_sight dgb_sight_at(vec2 at, dgb_receiver r) {\n"
+    "    dgb_sight l;\n"
+    "    vec4      a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
+    "    l.slope     = at * a.xy + a.zw;\n"
+    "    l.offset    = (at - r.at) * (a.xy * r.x.z + b.xy);\n"
+    "    float along = dot(l.offset, l.slope), square = dot(l.slope, l.slope) + 1.0;\n"
+    "    float inside = along * along - square * (dot(l.offset, l.offset) - dgb_bitmask_radius.y);\n"
+    "    float extent = sqrt(max(inside, 0.0));\n"
+    "    l.near      = inside > 0.0 ? (extent - along) / square : -1.0;\n"
+    "    l.far       = inside > 0.0 ? (-extent - along) / square : 1.0;\n"
+    "    return l;\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_point(dgb_sight l, float s) { return vec3(l.offset + l.slope * s, s); }\n"
+    "\n"
+    "// Directions in the slice, as dgb_slice_share has them, of where the line of sight enters a surface at s, and leaves it.\n"
+    "vec4 dgb_ends(dgb_march m, dgb_sight l, float s, float thickness) {\n"
+    "    vec3 front = dgb_point(l, min(max(s, l.far), l.near)), back = dgb_point(l, min(max(s - thickness, l.far), l.near));\n"
+    "    return vec4(dot(front, m.towards), dot(front, m.along), dot(back, m.towards), dot(back, m.along));\n"
+    "}\n"
+    "\n"
+    "#if DGB_NORMAL_TEST\n"
+    "// The ends where the plane of a surface goes on, so many pixels away from the line of sight on which it was found.\n"
+    "vec4 dgb_ends_beside(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float pixels) {\n"
+    "    vec4  a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
+    "    vec2  moved  = pixels * m.direction;\n"
+    "    float plane  = dot(y.n, dgb_point(l, y.s));\n"
+    "    l.slope     += moved * a.xy;\n"
+    "    l.offset    += moved * (a.xy * r.x.z + b.xy);\n"
+    "    float facing = dot(y.n, vec3(l.slope, 1.0));\n"
+    "    float s      = (plane - dot(y.n.xy, l.offset)) / facing;\n"
+    "    return dgb_ends(m, l, facing > 0.0 && abs(s) < DGB_MAX_DISTANCE ? s : l.far, y.thickness);\n"
+    "}\n"
+    "\n"
+    "// Whether direction a is nearer to the eye than b.\n"
+    "bool dgb_nearer(vec2 a, vec2 b) { return a.x * b.y > b.x * a.y; }\n"
+    "#endif\n"
+    "\n"
+    "// Sectors that a surface covers with what is behind it. step: pixels that it stands for, before and after it; u: of the sectors\n"
+    "uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, vec2 step, float u) {\n"
+    "#if DGB_NORMAL_TEST\n"
+    "    vec4 a    = dgb_ends_beside(r, m, l, y, -step.x), b = dgb_ends_beside(r, m, l, y, step.y);\n"
+    "    vec4 ends = vec4(dgb_nearer(a.xy, b.xy) ? a.xy : b.xy, dgb_nearer(a.zw, b.zw) ? b.zw : a.zw);\n"
+    "#else\n"
+    "    vec4 ends = dgb_ends(m, l, y.s, y.thickness);\n"
+    "#endif\n"
+    "    bool there = min(y.s, l.near) > max(y.s - y.thickness, l.far);\n"
+    "    return there ? dgb_sectors(dgb_slice_share(m.slice, ends.xy), dgb_slice_share(m.slice, ends.zw), u) : 0u;\n"
+    "}\n"
+    "\n"
+    "// Takes what a surface covers of what is still open; radiance: what it sends, if it faces the receiver.\n"
+    "void dgb_stop(inout dgb_march m, uint covered, dgb_sight l, dgb_surface y, vec3 radiance) {\n"
+    "    uint stopped = covered & ~m.seen;\n"
+    "    m.seen |= covered;\n"
+    "#if DGB_NORMAL_TEST\n"
+    "    if (!(dot(y.n, dgb_point(l, y.s)) < 0.0)) radiance = vec3(0.0);\n"
+    "#endif\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "    m.light += radiance * float(dgb_sector_count(stopped));\n"
+    "#endif\n"
+    "}\n"
+    "\n"
+    "// One step, h pixels away, that stands for `pitch` pixels. second: look at the second layer\n"
+    "void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, bool second) {\n"
+    "    ivec2 size  = dgb_bitmask_size.xy;\n"
+    "    vec2  to    = r.at + h * m.direction;\n"
+    "    bool  known = all(greaterThanEqual(to, vec2(0.0))) && all(lessThan(to, vec2(size)));\n"
+    "    int   level = dgb_mip_level(h, dgb_bitmask_level.x, dgb_bitmask_level.y, dgb_bitmask_level.z);\n"
+    "    ivec2 texel = min(ivec2(clamp(to, vec2(0.0), vec2(size - 1))) >> level, (size >> level) - 1);\n"
+    "    ivec2 pixel = dgb_mip_source(texel, level);\n"
+    "    vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything\n"
+    "    known       = known && pixel != r.pixel;\n"
+    "\n",
+    "    vec2        zs = texelFetch(dgb_z, texel, level).xy;\n"
+    "    vec3        b0 = vec3(0.0), b1 = vec3(0.0);\n"
+    "    dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);\n"
+    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "#if DGB_NORMAL_TEST\n"
+    "    vec4 normals = texelFetch(dgb_normals, texel, level);\n"
+    "    y.n          = dgb_oct16_direction(normals.xy);\n"
+    "#endif\n"
+    "#if DGB_LAYERS > 1\n"
+    "    y.thickness = min(y.thickness, zs.x - zs.y);\n"
+    "#endif\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "    b0 = texelFetch(dgb_b0, texel, level).rgb;\n"
+    "#endif\n"
+    "    uint covered = dgb_covered(r, m, l, y, step, u);\n"
+    "    dgb_stop(m, known && dgb_bitmask_scale.w > 0.0 ? covered : 0u, l, y, b0);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    if (second) {\n"
+    "#if DGB_DIVISOR > 1\n"
+    "        l = dgb_sight_at(dgb_centre(1, pixel), r);\n"
+    "#endif\n"
+    "        y = dgb_surface(zs.y - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "#if DGB_NORMAL_TEST\n"
+    "        y.n = dgb_oct16_direction(normals.zw);\n"
+    "#endif\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "        b1 = texelFetch(dgb_b1, texel, level).rgb;\n"
+    "#endif\n"
+    "        covered = dgb_covered(r, m, l, y, step, u);\n"
+    "        dgb_stop(m, known ? covered : 0u, l, y, b1);\n"
+    "    }\n"
+    "#endif\n"
+    "}\n"
+    "\n"
+    "// Means over all slices. rgb: irradiance; a: share of the cosine-weighted hemisphere that is covered.\n"
+    "vec4 dgb_look(dgb_receiver r, bool there, bool second) {\n"
+    "    int   steps = dgb_bitmask_size.z;\n"
+    "    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.reach / float(steps);\n"
+    "    vec4  sum   = vec4(0.0);\n"
+    "    for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {\n"
+    "        float     shift  = float(i) * pair;\n"
+    "        dgb_march m      = dgb_march_at(r, shift);\n"
+    "        vec2      jitter = fract(r.noise.zw + shift);\n"
+    "        for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);\n"
+    "        sum += vec4(m.light, float(dgb_sector_count(m.seen)));\n"
+    "    }\n"
+    "    sum *= pair / 32.0;\n"
+    "    return vec4(DGB_PI * sum.rgb, sum.a);\n"
+    "}\n"
+    "\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "// Irradiance of what is covered as if it covered all, and how much it covers: their product is what arrives.\n"
+    "vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(look.rgb / look.a) : vec3(0.0), look.a); }\n"
+    "#endif\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2        pixel   = ivec2(gl_FragCoord.xy);\n"
+    "    vec2         z       = texelFetch(dgb_z, pixel, 0).xy;\n"
+    "    vec4         normals = texelFetch(dgb_normals, pixel, 0);\n"
+    "    bvec3        tile    = bvec3(false);\n"
+    "#if DGB_LAYERS > 1\n"
+    "    tile = dgb_tile_at(pixel, dgb_bitmask_level.w != 0);\n"
+    "#endif\n"
+    "    dgb_receiver r = dgb_receiver_at(0, pixel, z.x, normals.xy);\n"
+    "#if DGB_BITMASK_LIGHT\n"
+    "    dgb_out_irradiance = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z, tile.y));\n"
+    "#if DGB_DEEP\n"
+    "    r                   = dgb_receiver_at(1, pixel, z.y, normals.zw);\n"
+    "    dgb_out_irradiance1 = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z && z.y > DGB_EMPTY_Z && tile.z, true));\n"
+    "#endif\n"
+    "#else\n"
+    "    float visibility = 1.0 - dgb_look(r, z.x > DGB_EMPTY_Z, tile.x).a;\n"
+    "    dgb_out_ao       = vec4(dgb_bitmask_scale.z == 1.0 ? visibility : pow(visibility, dgb_bitmask_scale.z));\n"
+    "#endif\n"
     "}\n",
     0
 };
@@ -3025,13 +3318,24 @@ static void dgbgli_put_pass_head(dgbgli_text* t, const dgb_program_desc* d, int 
     for (i = 0; i < d->define_count; ++i) dgbgli_put_define(t, d->defines[i].name, d->defines[i].value);
 }
 
-static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunks* c) {
+/* AO and GATHER of DGB_ESTIMATOR_BITMASK. */
+static bool dgbgli_is_bitmask(const dgb_program_desc* d) {
+    int i;
+    for (i = 0; i < d->define_count; ++i)
+        if (strcmp(d->defines[i].name, "DGB_BITMASK_LIGHT") == 0) return true;
+    return false;
+}
+
+static void dgbgli_pass_chunks(const dgb_program_desc* d, dgbgl_stage stage, dgbgli_chunks* c) {
+    const dgb_pass_id pass = d->pass;
+    const bool bitmask = dgbgli_is_bitmask(d);
     if (stage == DGBGL_VERTEX) {
         dgbgli_add_chunks(c, dgbgli_glsl_fullscreen);
         return;
     }
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
+    if (bitmask) dgbgli_add_chunks(c, dgbgli_glsl_sectors);
     if (pass == DGB_PASS_TILES || pass == DGB_PASS_RANGE) dgbgli_add_chunks(c, dgbgli_glsl_depths);
     if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_REFLECT || pass == DGB_PASS_GLOSSY)
         dgbgli_add_chunks(c, dgbgli_glsl_source);
@@ -3043,8 +3347,8 @@ static void dgbgli_pass_chunks(dgb_pass_id pass, dgbgl_stage stage, dgbgli_chunk
     case DGB_PASS_PACK: dgbgli_add_chunks(c, dgbgli_glsl_pack); break;
     case DGB_PASS_MIP: dgbgli_add_chunks(c, dgbgli_glsl_mip); break;
     case DGB_PASS_TILES: dgbgli_add_chunks(c, dgbgli_glsl_tiles); break;
-    case DGB_PASS_AO: dgbgli_add_chunks(c, dgbgli_glsl_ao); break;
-    case DGB_PASS_GATHER: dgbgli_add_chunks(c, dgbgli_glsl_gather); break;
+    case DGB_PASS_AO: dgbgli_add_chunks(c, bitmask ? dgbgli_glsl_bitmask : dgbgli_glsl_ao); break;
+    case DGB_PASS_GATHER: dgbgli_add_chunks(c, bitmask ? dgbgli_glsl_bitmask : dgbgli_glsl_gather); break;
     case DGB_PASS_TEMPORAL: dgbgli_add_chunks(c, dgbgli_glsl_temporal); break;
     case DGB_PASS_RECONSTRUCT: dgbgli_add_chunks(c, dgbgli_glsl_reconstruct); break;
     case DGB_PASS_RANGE: dgbgli_add_chunks(c, dgbgli_glsl_range); break;
@@ -3070,7 +3374,7 @@ DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage st
     if (!program) return 0;
     c.count = 0;
     dgbgli_put_pass_head(&t, program, version, es);
-    dgbgli_pass_chunks(program->pass, stage, &c);
+    dgbgli_pass_chunks(program, stage, &c);
     for (i = 0; i < c.count; ++i) dgbgli_put(&t, c.pieces[i]);
     return t.length;
 }
@@ -3086,7 +3390,7 @@ static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_des
     c.pieces[0] = head;
     c.count = 1;
     dgbgli_put_pass_head(&t, d, b->version, b->es);
-    dgbgli_pass_chunks(d->pass, stage, &c);
+    dgbgli_pass_chunks(d, stage, &c);
     b->gl.ShaderSource(shader, c.count, c.pieces, NULL);
     b->gl.CompileShader(shader);
     b->gl.GetShaderiv(shader, DGBGLI_COMPILE_STATUS, &ok);
@@ -3218,7 +3522,7 @@ static dgb_result dgbgli_program_create(void* user, const dgb_program_desc* d, d
     if (fragment) b->gl.DeleteShader(fragment);
     if (!name) return DGB_DEVICE;
     dgbgli_connect_samplers(b, name);
-    dgbgli_connect_block(b, name, dgb_pass_name(d->pass));
+    dgbgli_connect_block(b, name, dgbgli_is_bitmask(d) ? "bitmask" : dgb_pass_name(d->pass));
     dgbgli_label(b, DGBGLI_PROGRAM, name, dgb_pass_name(d->pass));
     program->id = name;
     return DGB_OK;

@@ -71,6 +71,7 @@ struct Options {
     dgb_oracle oracle = DGB_ORACLE_REPROJECT;
     dgb_emission emission = DGB_EMISSION_AUTO;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
+    dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
     uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
 
@@ -116,6 +117,7 @@ inline dgb_desc layers_desc(const Options& options) {
     desc.oracle = options.oracle;
     desc.emission = options.emission;
     desc.tracer = options.tracer;
+    desc.estimator = options.estimator;
     desc.reversed = options.clip != ClipRange::standard;
     desc.clip = desc.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
     return desc;
@@ -307,6 +309,8 @@ struct Overrides {
     float radius = 7.4f;    // m
     float ao_radius = 1.0f; // m
     int ao_samples = 16;
+    std::optional<int> slices;
+    std::optional<float> thickness; // m
     std::optional<float> alpha, delta;
     std::optional<glm::vec2> boost; // of grey, of saturated colour
     std::optional<int> reflect_steps;
@@ -321,6 +325,8 @@ inline void apply(const Overrides& overrides, Options* options) {
     params.radius = overrides.radius;
     params.ao_radius = overrides.ao_radius;
     params.ao_samples = overrides.ao_samples;
+    params.slices = overrides.slices.value_or(params.slices);
+    params.thickness = overrides.thickness.value_or(params.thickness);
     params.history_weight = overrides.alpha.value_or(params.history_weight);
     params.bounce_damping = overrides.delta.value_or(params.bounce_damping);
     params.reflect_steps = overrides.reflect_steps.value_or(params.reflect_steps);
@@ -420,6 +426,15 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option("--ao-samples", overrides->ao_samples, "taps of ambient occlusion (default 16)")
         ->check(between(1, DGB_MAX_TAPS, "1 to 256"));
     app->add_option("--ao-radius", overrides->ao_radius, "reach of ambient occlusion, m (default 1)")
+        ->check(positive());
+    add_choice<dgb_estimator>(
+        app, "--estimator", {{"paper", DGB_ESTIMATOR_PAPER}, {"bitmask", DGB_ESTIMATOR_BITMASK}},
+        [=](dgb_estimator estimator) { o->estimator = estimator; },
+        "of ambient occlusion and bounced light: paper (default), bitmask (what surfaces cover of the hemisphere)");
+    app->add_option("--slices", overrides->slices, "planes that share the taps of the bitmask (default 1)")
+        ->check(between(1, DGB_MAX_SLICES, "1 to 8"));
+    app->add_option("--thickness", overrides->thickness,
+                    "how far behind its surface an object hides from the bitmask, m (default 0.25)")
         ->check(positive());
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));

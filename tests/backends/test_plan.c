@@ -682,6 +682,44 @@ static void test_senders_choose_the_program(void** state) {
     assert_int_equal(define_of(&plan, DGB_PASS_GATHER, "DGB_STRONGEST_SENDER"), 1);
 }
 
+/* The estimators read and write the same: only the programs of AO and GATHER differ, and neither has the other's choices. */
+static void check_estimator(dgb_desc d) {
+    const dgb_plan paper = make_plan(&d);
+    dgb_plan plan;
+    int i, k;
+    d.estimator = DGB_ESTIMATOR_BITMASK;
+    plan = make_plan(&d);
+    assert_true(same_bits(paper.textures, plan.textures, sizeof plan.textures));
+    assert_true(same_bits(paper.passes, plan.passes, sizeof plan.passes));
+    assert_int_equal(paper.program_count, plan.program_count);
+    for (i = 0; i < plan.program_count; ++i) {
+        const dgb_program_desc* p = &plan.programs[i];
+        const bool tapped = p->pass == DGB_PASS_AO || p->pass == DGB_PASS_GATHER;
+        bool found = false;
+        if (!tapped) assert_true(same_bits(p, &paper.programs[i], sizeof *p));
+        for (k = 0; k < p->define_count; ++k) {
+            assert_string_not_equal(p->defines[k].name, "DGB_STRONGEST_SENDER");
+            if (strcmp(p->defines[k].name, "DGB_BITMASK_LIGHT") != 0) continue;
+            assert_int_equal(p->defines[k].value, p->pass == DGB_PASS_GATHER);
+            found = true;
+        }
+        assert_true(found == tapped);
+    }
+}
+
+static void test_estimator(void** state) {
+    uint32_t effects;
+    int layers;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects); ++layers) {
+            dgb_desc d = small_desc(layers, effects);
+            check_estimator(d);
+            d.divisor = 2;
+            check_estimator(d);
+        }
+}
+
 /* What the hierarchical tracer adds, and nothing else: without reflections nothing, else the ranges, from z to cells that are
    no longer than the buffer. All levels have whole cells, also of a buffer that is not divisible. */
 static void check_tracer(dgb_desc d) {
@@ -923,6 +961,8 @@ static const struct {
     {"normaliser 2", {SIZE, .normaliser = DGB_NORMALISER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"tracer", {SIZE, .tracer = BAD(dgb_tracer)}, DGB_INVALID, DGB_LOG_ENUM},
     {"tracer 2", {SIZE, .tracer = DGB_TRACER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"estimator", {SIZE, .estimator = BAD(dgb_estimator)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"estimator 2", {SIZE, .estimator = DGB_ESTIMATOR_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format 13", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -1183,6 +1223,7 @@ int main(void) {
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_senders_choose_the_program),
         cmocka_unit_test(test_tracer),
+        cmocka_unit_test(test_estimator),
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),

@@ -1247,6 +1247,43 @@ static void test_gather_uniforms(void** state) {
     }
 }
 
+static void test_bitmask_uniforms(void** state) {
+    const dgb_bitmask_uniforms *ao, *light;
+    const dgb_tiles_uniforms* tiles;
+    fixture f;
+    (void)state;
+    start(&f);
+    f.desc.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    f.desc.estimator = DGB_ESTIMATOR_BITMASK;
+    f.params.ao_radius = 2.0f;
+    f.params.ao_samples = 37; /* two slices, four sides: 9 steps each */
+    f.params.ao_min_level = 1;
+    f.params.ao_intensity = 1.5f;
+    f.params.radius = 3.0f;
+    f.params.samples = 3; /* fewer than sides: one step each */
+    f.params.min_level = 2;
+    f.params.slices = 2;
+    f.params.thickness = 0.125f;
+    init(&f);
+    build(&f);
+    shade(&f);
+    ao = &record_uniforms_of(&f.r, DGB_PASS_AO, 0)->u.bitmask;
+    light = &record_uniforms_of(&f.r, DGB_PASS_GATHER, 0)->u.bitmask;
+    tiles = &record_uniforms_of(&f.r, DGB_PASS_TILES, 0)->u.tiles;
+    assert_memory_equal(&ao->camera, &f.context.camera, sizeof ao->camera);
+    assert_memory_equal(&light->camera, &f.context.camera, sizeof light->camera);
+    assert_true(ao->size[0] == 80 && ao->size[1] == 64 && ao->size[2] == 9 && light->size[2] == 1);
+    assert_true(ao->level[0] == DGB_AO_LOG2_Q && ao->level[1] == 1 && ao->level[2] == 5);
+    assert_true(light->level[0] == DGB_GATHER_LOG2_Q && light->level[1] == 2 && light->level[2] == 5);
+    assert_true(ao->radius[0] == 2.0f && ao->radius[1] == 4.0f && ao->radius[2] == 0.125f);
+    assert_true(light->radius[0] == 3.0f && light->radius[1] == 9.0f && light->radius[2] == 0.125f);
+    assert_true(fabsf(ao->radius[3] - sqrtf(80.0f * 80.0f + 64.0f * 64.0f)) < 1e-4f);
+    assert_true(ao->scale[0] == 2.0f && ao->scale[1] == 0.5f && ao->scale[2] == 1.5f && ao->scale[3] == 1.0f);
+    /* what is behind a surface may reach farther into the radius than the surface itself */
+    assert_true(tiles->radius[0] == 2.125f && tiles->radius[1] == 3.125f);
+    stop(&f);
+}
+
 /* As many steps at once as a cell of the coarsest ranges holds, and a cell that so many pixels fit into. */
 static void test_skip_uniforms(void** state) {
     static const int sides[][2] = {{1, 1}, {7, 5}, {64, 48}, {600, 3}};
@@ -2021,6 +2058,8 @@ static void set_ao_min_level(dgb_params* p, float x) { p->ao_min_level = (int)x;
 static void set_radius(dgb_params* p, float x) { p->radius = x; }
 static void set_samples(dgb_params* p, float x) { p->samples = (int)x; }
 static void set_min_level(dgb_params* p, float x) { p->min_level = (int)x; }
+static void set_slices(dgb_params* p, float x) { p->slices = (int)x; }
+static void set_thickness(dgb_params* p, float x) { p->thickness = x; }
 static void set_bounce_damping(dgb_params* p, float x) { p->bounce_damping = x; }
 static void set_boost_unsaturated(dgb_params* p, float x) { p->boost_unsaturated = x; }
 static void set_boost_saturated(dgb_params* p, float x) { p->boost_saturated = x; }
@@ -2062,6 +2101,8 @@ static const struct {
     {"radius", set_radius, DGB_LOG_GATHER_PARAMS, true, {1e-6f, 7.4f, 1e6f, 1}, {0, -1, -1e-6f, -1e30f}},
     {"samples", set_samples, DGB_LOG_GATHER_PARAMS, false, {1, 256, 14, 30}, {0, 257, -1, 1e6f}},
     {"min_level", set_min_level, DGB_LOG_MIP_PARAMS, false, {0, 5, 1, 2}, {-1, 6, 100, -100}},
+    {"slices", set_slices, DGB_LOG_BITMASK_PARAMS, false, {1, 8, 2, 5}, {0, 9, -1, 1e6f}},
+    {"thickness", set_thickness, DGB_LOG_BITMASK_PARAMS, true, {0, 0.25f, 1, 1e6f}, {-0.001f, -1, -1e30f, 1e30f}},
     {"bounce_damping",
      set_bounce_damping,
      DGB_LOG_BOUNCE_PARAMS,
@@ -2490,6 +2531,7 @@ int main(void) {
         cmocka_unit_test(test_pack_uniforms),
         cmocka_unit_test(test_ao_uniforms),
         cmocka_unit_test(test_gather_uniforms),
+        cmocka_unit_test(test_bitmask_uniforms),
         cmocka_unit_test(test_skip_uniforms),
         cmocka_unit_test(test_reconstruction_uniforms),
         cmocka_unit_test(test_shaded_rectangle),

@@ -22,7 +22,12 @@ static fixture f;
 /* The library's text up to the part that belongs to one pass: its last #line. */
 static const char* library_text(void) {
     static char text[1 << 16];
-    const dgb_program_desc ao = {DGB_PASS_AO, 2, {{"DGB_LAYERS", 2}, {"DGB_DIVISOR", 1}}};
+    const dgb_program_desc ao = {DGB_PASS_AO,
+                                 4,
+                                 {{"DGB_LAYERS", 2},
+                                  {"DGB_DIVISOR", 1},
+                                  {"DGB_NORMAL_TEST", 0},
+                                  {"DGB_BITMASK_LIGHT", 0}}}; /* with all that is shared */
     const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, 450, false, text, sizeof text);
     char *line = text, *last = NULL;
     assert_true(size > 0 && size < sizeof text);
@@ -31,6 +36,7 @@ static const char* library_text(void) {
     if (last) *last = 0;
     assert_non_null(strstr(text, "dgb_oct16_encode"));
     assert_non_null(strstr(text, "dgb_tap_at"));
+    assert_non_null(strstr(text, "dgb_sectors"));
     return text;
 }
 
@@ -890,6 +896,84 @@ static void test_tap_placement(void** state) {
     check_equal("tap placement, 24 times", total, 0);
 }
 
+/* >> visibility bitmask */
+
+static void test_arc_sine(void** state) {
+    tally t = tally_of("arc sine");
+    int i;
+    (void)state;
+    for (i = 0; i < CASES; ++i) in[i][0][0] = random_in(-1.1f, 1.1f);
+    evaluate("bits(dgb_arc_sine(given(0).x))", 1);
+    for (i = 0; i < CASES; ++i) compare(&t, device_float(i, 0), dgb_arc_sine(in[i][0][0]), 1.0);
+    check(&t, 3e-7); /* a few ulps of pi/2 */
+}
+
+/* n, v and s, none of whose parts that a root is taken of is nearly nothing. */
+static void give_slice(int i) {
+    float along[3], n_v, n_a;
+    int k;
+    do {
+        for (k = 0; k < 3; ++k) random_normal(in[i][k]);
+        dgb_slice_along(in[i][0], in[i][1], in[i][2], along);
+        for (n_v = n_a = 0.0f, k = 0; k < 3; ++k) n_v += in[i][0][k] * in[i][1][k], n_a += in[i][0][k] * along[k];
+        for (k = 0; k < 3; ++k) in[i][3][k] = along[k];
+    } while (n_v * n_v + n_a * n_a < 0.01f || fabsf(n_v) < 0.02f || (in[i][0][0] + in[i][2][0]) * n_v == 0.0f);
+    in[i][3][3] = random_in(0.0f, 1.0f); /* what to round sectors with */
+    in[i][4][0] = random_in(-1.0f, 1.0f);
+    in[i][4][1] = random_in(-1.0f, 1.0f);
+    in[i][4][2] = random_in(0.0f, 1.0f);
+    in[i][4][3] = random_in(0.0f, 1.0f);
+}
+
+static void test_slice(void** state) {
+    tally slices = tally_of("slice"), angles = tally_of("slice, angle"), shares = tally_of("slice share"),
+          along = tally_of("slice along");
+    int i, k;
+    (void)state;
+    for (i = 0; i < CASES; ++i) give_slice(i);
+    evaluate("bits(dgb_slice_along(given(0).xyz, given(1).xyz, given(2).xyz))", 5);
+    for (i = 0; i < CASES; ++i) {
+        float w[3], across = 0.0f;
+        for (k = 0; k < 3; ++k) w[k] = in[i][0][k] + in[i][2][k], across += w[k] * in[i][3][k];
+        for (k = 0; k < 3; ++k) /* rounding of n + s, whose part across v may be short */
+            compare(&along, device_float(i, k) * across, in[i][3][k] * across, 1.0);
+    }
+    check(&along, 1e-6);
+    evaluate("floatBitsToUint(dgb_slice(given(0).xyz, given(1).xyz, given(3).xyz))", 5);
+    for (i = 0; i < CASES; ++i) {
+        float slice[4];
+        dgb_slice(in[i][0], in[i][1], in[i][3], slice);
+        for (k = 0; k < 2; ++k) compare(&slices, device_float(i, k), slice[k], 1.0);
+        compare(&angles, device_float(i, 2), slice[2], 1.0);
+        compare(&angles, 1.0f / device_float(i, 3), 1.0f / slice[3], 1.0);
+    }
+    check(&slices, 1e-6);
+    check(&angles,
+          5e-4); /* near a right angle two ulps of the sine, 1.2e-7, are this much of the root that they are under */
+    evaluate("bits(dgb_slice_share(dgb_slice(given(0).xyz, given(1).xyz, given(3).xyz), given(4).xy))", 5);
+    for (i = 0; i < CASES; ++i) {
+        float slice[4], share;
+        dgb_slice(in[i][0], in[i][1], in[i][3], slice);
+        share = dgb_slice_share(slice, in[i][4]);
+        if (slice[3] < 100.0f) compare(&shares, device_float(i, 0), share, 1.0); /* else next to no light */
+    }
+    check(&shares, 5e-4); /* the angle's */
+}
+
+static void test_sectors(void** state) {
+    int i, mismatches = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) give_slice(i);
+    evaluate("uvec4(dgb_sectors(given(4).z, given(4).w, given(3).w), dgb_sectors(given(4).z, 1.0, given(3).w), "
+             "uint(dgb_sector_count(floatBitsToUint(given(4).x))), 0u)",
+             5);
+    for (i = 0; i < CASES; ++i)
+        mismatches += out[i][0] != dgb_sectors(in[i][4][2], in[i][4][3], in[i][3][3]) ||
+                      out[i][1] != dgb_sectors(in[i][4][2], 1.0f, in[i][3][3]) ||
+                      (int)out[i][2] != dgb_sector_count(bits_of(in[i][4][0]));
+    check_equal("sectors", mismatches, 0);
+}
+
 static void test_no_messages(void** state) {
     (void)state;
     assert_int_equal(f.messages, 0);
@@ -934,6 +1018,9 @@ int main(void) {
         cmocka_unit_test(test_ggx_normal),
         cmocka_unit_test(test_ggx_density),
         cmocka_unit_test(test_offset),
+        cmocka_unit_test(test_arc_sine),
+        cmocka_unit_test(test_slice),
+        cmocka_unit_test(test_sectors),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

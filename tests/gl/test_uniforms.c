@@ -61,6 +61,11 @@ static const member gather_members[] = {
     VALUE("dgb_gather_level", dgb_gather_uniforms, level),    VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
     VALUE("dgb_gather_first", dgb_gather_uniforms, first),    ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
 
+static const member bitmask_members[] = {
+    CAMERA("dgb_bitmask_camera", dgb_bitmask_uniforms, camera), VALUE("dgb_bitmask_size", dgb_bitmask_uniforms, size),
+    VALUE("dgb_bitmask_level", dgb_bitmask_uniforms, level), VALUE("dgb_bitmask_radius", dgb_bitmask_uniforms, radius),
+    VALUE("dgb_bitmask_scale", dgb_bitmask_uniforms, scale)};
+
 static const member temporal_members[] = {CAMERA("dgb_temporal_camera", dgb_temporal_uniforms, camera),
                                           VALUE("dgb_temporal_weight", dgb_temporal_uniforms, weight),
                                           PAST("dgb_temporal_past", dgb_temporal_uniforms)};
@@ -105,8 +110,12 @@ typedef struct block {
 static const block draw_block = BLOCK(draw);
 
 static const block* block_of(const dgb_program_desc* program) {
-    static const block blocks[] = {BLOCK(pack),     BLOCK(ao),    BLOCK(gather),  BLOCK(reconstruct), BLOCK(resolve),
-                                   BLOCK(temporal), BLOCK(tiles), BLOCK(reflect), BLOCK(glossy),      BLOCK(warp)};
+    static const block blocks[] = {BLOCK(pack),    BLOCK(ao),       BLOCK(gather), BLOCK(reconstruct),
+                                   BLOCK(resolve), BLOCK(temporal), BLOCK(tiles),  BLOCK(reflect),
+                                   BLOCK(glossy),  BLOCK(warp),     BLOCK(bitmask)};
+    int i;
+    for (i = 0; i < program->define_count; ++i)
+        if (strcmp(program->defines[i].name, "DGB_BITMASK_LIGHT") == 0) return &blocks[10];
     /* the first steps of TILES have none */
     if (program->pass == DGB_PASS_TILES && program->defines[0].value < 2) return NULL;
     switch (program->pass) {
@@ -197,6 +206,9 @@ static void test_passes(void** state) {
             d.senders = effects == 3 ? DGB_SENDERS_STRONGEST : DGB_SENDERS_BOTH;
             d.tracer = effects & DGB_EFFECT_AO ? DGB_TRACER_HIERARCHICAL : DGB_TRACER_LINEAR;
             check_programs(&d, seen);
+            d.estimator = DGB_ESTIMATOR_BITMASK;
+            if (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY)) check_programs(&d, seen);
+            d.estimator = DGB_ESTIMATOR_PAPER;
             d.source = DGB_SOURCE_ENGINE;
             for (normals = 0; normals < DGB_NORMALS_COUNT; ++normals) {
                 d.normals = (dgb_normals)normals;

@@ -156,6 +156,9 @@ int main(int argc, char** argv) {
                 for (desc.divisor = 1; desc.divisor <= 2; ++desc.divisor) {
                     desc.senders = (dgb_senders)senders;
                     write_plan(argv[1], &desc);
+                    desc.estimator = DGB_ESTIMATOR_BITMASK;
+                    write_plan(argv[1], &desc);
+                    desc.estimator = DGB_ESTIMATOR_PAPER;
                 }
             desc.divisor = 1;
             desc.tracer = DGB_TRACER_HIERARCHICAL; /* brings ranges */

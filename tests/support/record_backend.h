@@ -61,6 +61,7 @@ typedef struct record_uniforms {
         dgb_tiles_uniforms tiles;
         dgb_ao_uniforms ao;
         dgb_gather_uniforms gather;
+        dgb_bitmask_uniforms bitmask; /* AO and GATHER of DGB_ESTIMATOR_BITMASK */
         dgb_temporal_uniforms temporal;
         dgb_reconstruct_uniforms reconstruct;
         dgb_reflect_uniforms reflect;

@@ -1,0 +1,44 @@
+// The mathematics of the visibility bitmask (Therrien et al. 2023). A slice is a half plane bounded by the line of sight. Each
+// function is the twin of the C function of the same name in deepgbuffer.h, which documents it.
+
+float dgb_arc_sine(float x) {
+    float a = min(abs(x), 1.0);
+    float b = 1.57079633 - sqrt(1.0 - a) * (1.5707288 + a * (-0.2121144 + a * (0.0742610 - 0.0187293 * a)));
+    return x < 0.0 ? -b : b;
+}
+
+vec3 dgb_slice_along(vec3 n, vec3 v, vec3 s) {
+    vec3  w  = n + s;
+    vec3  d  = w - dot(w, v) * v;
+    float d2 = dot(d, d);
+    return d2 > 1e-12 ? d * inversesqrt(d2) : vec3(1.0, 0.0, 0.0);
+}
+
+// cos g, sin g, g, 1 / (cos g + (g + pi/2) sin g)
+vec4 dgb_slice(vec3 n, vec3 v, vec3 along) {
+    vec2  p  = vec2(max(dot(n, v), 0.0), dot(n, along));
+    float p2 = dot(p, p);
+    p        = p2 > 1e-12 ? p * inversesqrt(p2) : vec2(1.0, 0.0);
+    float g  = dgb_arc_sine(p.y);
+    return vec4(p, g, 1.0 / max(p.x + (g + 0.5 * DGB_PI) * p.y, 1e-5));
+}
+
+// q: towards the eye, along
+float dgb_slice_share(vec4 slice, vec2 q) {
+    vec2  d     = q * inversesqrt(max(dot(q, q), 1e-30));
+    float angle = 0.5 * DGB_PI - dgb_arc_sine(d.x);
+    float share = (d.y * d.y * slice.x + (angle - d.x * d.y) * slice.y) * slice.w;
+    return d.y >= 0.0 && dot(d, slice.xy) > 0.0 ? clamp(share, 0.0, 1.0) : 1.0;
+}
+
+uint dgb_sectors(float from, float to, float u) {
+    uint low = uint(from * 32.0 + u), high = uint(to * 32.0 + u);
+    uint below_high = high < 32u ? (1u << high) - 1u : 0xffffffffu, below_low = low < 32u ? (1u << low) - 1u : 0xffffffffu;
+    return below_high & ~below_low;
+}
+
+int dgb_sector_count(uint sectors) { // language versions 330 and 300 es have no bitCount
+    uint pairs = sectors - ((sectors >> 1) & 0x55555555u);
+    uint fours = (pairs & 0x33333333u) + ((pairs >> 2) & 0x33333333u);
+    return int((((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);
+}

@@ -1,0 +1,239 @@
+// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers
+// (Therrien et al. 2023), here of two layers, the first no thicker than the way to the second. Slices are marched from near to far:
+// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals
+// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer
+// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.
+
+layout(std140) uniform dgb_bitmask_block {
+    dgb_camera dgb_bitmask_camera;
+    ivec4      dgb_bitmask_size;   // buffer width, height, steps of a slice, frame
+    ivec4      dgb_bitmask_level;  // log2 q, min level, max level, 1: the second layer matters everywhere
+    vec4       dgb_bitmask_radius; // r (m), r^2, thickness (m), largest reach (pixels)
+    vec4       dgb_bitmask_scale;  // slices, 1 / slices, exponent of visibility, 0 to leave out the first layer
+};
+
+uniform sampler2D dgb_z;
+uniform sampler2D dgb_normals;
+#if DGB_BITMASK_LIGHT
+uniform sampler2D dgb_b0;
+#if DGB_LAYERS > 1
+uniform sampler2D dgb_b1;
+#endif
+layout(location = 0) out vec4 dgb_out_irradiance;
+#if DGB_DEEP
+layout(location = 1) out vec4 dgb_out_irradiance1;
+#endif
+#else
+layout(location = 0) out vec4 dgb_out_ao;
+#endif
+
+struct dgb_receiver {
+    ivec2 pixel;
+    vec2  at; // where the surface is, pixels
+    vec3  x, n, v; // v: towards the eye
+    float reach;   // pixels
+    vec4  noise;   // of the slice: angle, height; of the steps, of the sectors; 0..1
+};
+
+struct dgb_march { // along one slice
+    vec4 slice;
+    vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane
+    vec2 direction;      // in the image
+    uint seen;           // sectors that are covered
+    vec3 light;          // sum over sectors
+};
+
+// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; those within the radius have s from far to
+// near, none for far > near.
+struct dgb_sight {
+    vec2  offset, slope;
+    float far, near;
+};
+
+struct dgb_surface {
+    float s, thickness; // depth from x.z on, m
+    vec3  n;            // of any length; 0 where it is not read
+};
+
+dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
+    dgb_receiver r;
+    r.pixel = pixel;
+    r.at    = dgb_centre(layer, pixel);
+    r.x     = dgb_position(r.at, z, dgb_bitmask_camera);
+    r.n     = dgb_oct16_decode(normal);
+    r.v     = -dgb_view(r.x, dgb_bitmask_camera);
+    r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
+    // other pixels' numbers, which take other turns over the frames: the two pairs have nothing in common
+    r.noise = vec4(dgb_pixel_pair(pixel, dgb_bitmask_size.w), dgb_pixel_pair(pixel + ivec2(16384, 0), dgb_bitmask_size.w * 31));
+    return r;
+}
+
+// Slice i: a direction of the cosine-weighted hemisphere picks it, so all slices weigh alike. shift: i of all, 0..1
+dgb_march dgb_march_at(dgb_receiver r, float shift) {
+    vec4  noise    = fract(r.noise + shift);
+    vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;
+    float height   = 1.0 - 2.0 * noise.y;
+    vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));
+    vec3  across   = cross(d, r.v);
+    vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));
+    vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 1e-4));
+    vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
+    dgb_march m;
+    m.slice     = dgb_slice(r.n, r.v, d);
+    m.towards   = r.v + oblique.x * across;
+    m.along     = d + oblique.y * across;
+    vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d
+    m.direction = moved * inversesqrt(max(dot(moved, moved), 1e-30));
+    m.seen      = 0u;
+    m.light     = vec3(0.0);
+    return m;
+}
+
+dgb_sight dgb_sight_at(vec2 at, dgb_receiver r) {
+    dgb_sight l;
+    vec4      a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
+    l.slope     = at * a.xy + a.zw;
+    l.offset    = (at - r.at) * (a.xy * r.x.z + b.xy);
+    float along = dot(l.offset, l.slope), square = dot(l.slope, l.slope) + 1.0;
+    float inside = along * along - square * (dot(l.offset, l.offset) - dgb_bitmask_radius.y);
+    float extent = sqrt(max(inside, 0.0));
+    l.near      = inside > 0.0 ? (extent - along) / square : -1.0;
+    l.far       = inside > 0.0 ? (-extent - along) / square : 1.0;
+    return l;
+}
+
+vec3 dgb_point(dgb_sight l, float s) { return vec3(l.offset + l.slope * s, s); }
+
+// Directions in the slice, as dgb_slice_share has them, of where the line of sight enters a surface at s, and leaves it.
+vec4 dgb_ends(dgb_march m, dgb_sight l, float s, float thickness) {
+    vec3 front = dgb_point(l, min(max(s, l.far), l.near)), back = dgb_point(l, min(max(s - thickness, l.far), l.near));
+    return vec4(dot(front, m.towards), dot(front, m.along), dot(back, m.towards), dot(back, m.along));
+}
+
+#if DGB_NORMAL_TEST
+// The ends where the plane of a surface goes on, so many pixels away from the line of sight on which it was found.
+vec4 dgb_ends_beside(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float pixels) {
+    vec4  a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
+    vec2  moved  = pixels * m.direction;
+    float plane  = dot(y.n, dgb_point(l, y.s));
+    l.slope     += moved * a.xy;
+    l.offset    += moved * (a.xy * r.x.z + b.xy);
+    float facing = dot(y.n, vec3(l.slope, 1.0));
+    float s      = (plane - dot(y.n.xy, l.offset)) / facing;
+    return dgb_ends(m, l, facing > 0.0 && abs(s) < DGB_MAX_DISTANCE ? s : l.far, y.thickness);
+}
+
+// Whether direction a is nearer to the eye than b.
+bool dgb_nearer(vec2 a, vec2 b) { return a.x * b.y > b.x * a.y; }
+#endif
+
+// Sectors that a surface covers with what is behind it. step: pixels that it stands for, before and after it; u: of the sectors
+uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, vec2 step, float u) {
+#if DGB_NORMAL_TEST
+    vec4 a    = dgb_ends_beside(r, m, l, y, -step.x), b = dgb_ends_beside(r, m, l, y, step.y);
+    vec4 ends = vec4(dgb_nearer(a.xy, b.xy) ? a.xy : b.xy, dgb_nearer(a.zw, b.zw) ? b.zw : a.zw);
+#else
+    vec4 ends = dgb_ends(m, l, y.s, y.thickness);
+#endif
+    bool there = min(y.s, l.near) > max(y.s - y.thickness, l.far);
+    return there ? dgb_sectors(dgb_slice_share(m.slice, ends.xy), dgb_slice_share(m.slice, ends.zw), u) : 0u;
+}
+
+// Takes what a surface covers of what is still open; radiance: what it sends, if it faces the receiver.
+void dgb_stop(inout dgb_march m, uint covered, dgb_sight l, dgb_surface y, vec3 radiance) {
+    uint stopped = covered & ~m.seen;
+    m.seen |= covered;
+#if DGB_NORMAL_TEST
+    if (!(dot(y.n, dgb_point(l, y.s)) < 0.0)) radiance = vec3(0.0);
+#endif
+#if DGB_BITMASK_LIGHT
+    m.light += radiance * float(dgb_sector_count(stopped));
+#endif
+}
+
+// One step, h pixels away, that stands for `pitch` pixels. second: look at the second layer
+void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, bool second) {
+    ivec2 size  = dgb_bitmask_size.xy;
+    vec2  to    = r.at + h * m.direction;
+    bool  known = all(greaterThanEqual(to, vec2(0.0))) && all(lessThan(to, vec2(size)));
+    int   level = dgb_mip_level(h, dgb_bitmask_level.x, dgb_bitmask_level.y, dgb_bitmask_level.z);
+    ivec2 texel = min(ivec2(clamp(to, vec2(0.0), vec2(size - 1))) >> level, (size >> level) - 1);
+    ivec2 pixel = dgb_mip_source(texel, level);
+    vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything
+    known       = known && pixel != r.pixel;
+
+    vec2        zs = texelFetch(dgb_z, texel, level).xy;
+    vec3        b0 = vec3(0.0), b1 = vec3(0.0);
+    dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);
+    dgb_surface y  = dgb_surface(zs.x - r.x.z, dgb_bitmask_radius.z, vec3(0.0));
+#if DGB_NORMAL_TEST
+    vec4 normals = texelFetch(dgb_normals, texel, level);
+    y.n          = dgb_oct16_direction(normals.xy);
+#endif
+#if DGB_LAYERS > 1
+    y.thickness = min(y.thickness, zs.x - zs.y);
+#endif
+#if DGB_BITMASK_LIGHT
+    b0 = texelFetch(dgb_b0, texel, level).rgb;
+#endif
+    uint covered = dgb_covered(r, m, l, y, step, u);
+    dgb_stop(m, known && dgb_bitmask_scale.w > 0.0 ? covered : 0u, l, y, b0);
+#if DGB_LAYERS > 1
+    if (second) {
+#if DGB_DIVISOR > 1
+        l = dgb_sight_at(dgb_centre(1, pixel), r);
+#endif
+        y = dgb_surface(zs.y - r.x.z, dgb_bitmask_radius.z, vec3(0.0));
+#if DGB_NORMAL_TEST
+        y.n = dgb_oct16_direction(normals.zw);
+#endif
+#if DGB_BITMASK_LIGHT
+        b1 = texelFetch(dgb_b1, texel, level).rgb;
+#endif
+        covered = dgb_covered(r, m, l, y, step, u);
+        dgb_stop(m, known ? covered : 0u, l, y, b1);
+    }
+#endif
+}
+
+// Means over all slices. rgb: irradiance; a: share of the cosine-weighted hemisphere that is covered.
+vec4 dgb_look(dgb_receiver r, bool there, bool second) {
+    int   steps = dgb_bitmask_size.z;
+    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.reach / float(steps);
+    vec4  sum   = vec4(0.0);
+    for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {
+        float     shift  = float(i) * pair;
+        dgb_march m      = dgb_march_at(r, shift);
+        vec2      jitter = fract(r.noise.zw + shift);
+        for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);
+        sum += vec4(m.light, float(dgb_sector_count(m.seen)));
+    }
+    sum *= pair / 32.0;
+    return vec4(DGB_PI * sum.rgb, sum.a);
+}
+
+#if DGB_BITMASK_LIGHT
+// Irradiance of what is covered as if it covered all, and how much it covers: their product is what arrives.
+vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(look.rgb / look.a) : vec3(0.0), look.a); }
+#endif
+
+void main() {
+    ivec2        pixel   = ivec2(gl_FragCoord.xy);
+    vec2         z       = texelFetch(dgb_z, pixel, 0).xy;
+    vec4         normals = texelFetch(dgb_normals, pixel, 0);
+    bvec3        tile    = bvec3(false);
+#if DGB_LAYERS > 1
+    tile = dgb_tile_at(pixel, dgb_bitmask_level.w != 0);
+#endif
+    dgb_receiver r = dgb_receiver_at(0, pixel, z.x, normals.xy);
+#if DGB_BITMASK_LIGHT
+    dgb_out_irradiance = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z, tile.y));
+#if DGB_DEEP
+    r                   = dgb_receiver_at(1, pixel, z.y, normals.zw);
+    dgb_out_irradiance1 = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z && z.y > DGB_EMPTY_Z && tile.z, true));
+#endif
+#else
+    float visibility = 1.0 - dgb_look(r, z.x > DGB_EMPTY_Z, tile.x).a;
+    dgb_out_ao       = vec4(dgb_bitmask_scale.z == 1.0 ? visibility : pow(visibility, dgb_bitmask_scale.z));
+#endif
+}

@@ -1,0 +1,470 @@
+/* DGB_ESTIMATOR_BITMASK: scenes whose visibility and irradiance are known, and what must hold for any image. */
+#include "gl_images.h"
+#include "tally.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define PI 3.14159265358979323846
+
+static fixture f;
+
+/* >> scenes: panes that are traced into the layers, the eye at the origin, looking down -Z */
+
+typedef struct pane {
+    double corner[3], u[3], v[3]; /* two sides from a corner; it faces u x v */
+    double sent;                  /* radiance, of all channels */
+} pane;
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double a[3], const double b[3], double c[3]) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void normal_of(const pane* p, double n[3]) {
+    double length;
+    int k;
+    cross(p->u, p->v, n);
+    length = sqrt(dot(n, n));
+    for (k = 0; k < 3; ++k) n[k] /= length;
+}
+
+/* Distance along the ray in units of its direction; 0: missed, or met from behind. */
+static double meet(const pane* p, const double from[3], const double way[3]) {
+    double n[3], to[3], t, a, b;
+    int k;
+    normal_of(p, n);
+    if (dot(n, way) >= 0.0) return 0.0;
+    for (k = 0; k < 3; ++k) to[k] = p->corner[k] - from[k];
+    t = dot(n, to) / dot(n, way);
+    for (k = 0; k < 3; ++k) to[k] = from[k] + t * way[k] - p->corner[k];
+    a = dot(to, p->u) / dot(p->u, p->u);
+    b = dot(to, p->v) / dot(p->v, p->v);
+    return t > 0.0 && a >= 0.0 && a < 1.0 && b >= 0.0 && b < 1.0 ? t : 0.0;
+}
+
+typedef struct scene {
+    images m;
+    dgb_context c;
+    dgb_view view;
+    dgb_params params;
+} scene;
+
+/* Direction of a pixel's ray, z -1. */
+static void ray_of(const scene* s, int x, int y, double way[3]) {
+    const float* p = s->view.projection;
+    way[0] = (2.0 * (x + 0.5) / s->m.width - 1.0) / (double)p[0];
+    way[1] = (2.0 * (y + 0.5) / s->m.height - 1.0) / (double)p[5];
+    way[2] = -1.0;
+}
+
+/* Panes have right angles. The second layer is the first pane that is met beyond the separation behind the nearest. */
+static void trace(scene* s, const pane* panes, int count) {
+    static const double eye[3] = {0.0, 0.0, 0.0};
+    int x, y, i, layer;
+    for (y = 0; y < s->m.height; ++y)
+        for (x = 0; x < s->m.width; ++x) {
+            double way[3], beyond = 0.0;
+            ray_of(s, x, y, way);
+            for (layer = 0; layer < 2; ++layer) {
+                double best = 1e30, n[3];
+                int found = -1;
+                for (i = 0; i < count; ++i) {
+                    const double t = meet(&panes[i], eye, way);
+                    if (t > beyond && t < best) best = t, found = i;
+                }
+                if (found < 0) break;
+                normal_of(&panes[found], n);
+                images_put(&s->m, layer, x, y, best, (const float[3]){(float)n[0], (float)n[1], (float)n[2]});
+                for (i = 0; i < 3; ++i) images_at(&s->m, IMAGE_RADIANCE, layer, x, y)[i] = (float)panes[found].sent;
+                beyond = best + (double)s->params.separation;
+            }
+        }
+}
+
+static scene open_scene(int width, int height, int layers, uint32_t effects, dgb_estimator estimator) {
+    scene s;
+    dgb_desc d;
+    memset(&s, 0, sizeof s);
+    s.m = images_open(width, height);
+    s.view = images_view(&s.m, 0);
+    s.params = dgb_preset(DGB_PRESET_QUALITY);
+    s.params.min_level = 0;
+    d = images_desc(&s.m, 0, layers, effects, &f.gl.backend);
+    d.estimator = estimator;
+    assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
+    return s;
+}
+
+static void close_scene(scene* s) {
+    dgb_shutdown(&s->c);
+    images_close(&s->m);
+}
+
+static void shade(scene* s) {
+    const dgb_layers layers = images_upload(&s->m);
+    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
+    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
+}
+
+static float* read_image(const scene* s, dgb_slot slot, int channels) {
+    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, s->c.plan.width, s->c.plan.height, 0,
+                        channels == 1 ? GL_RED : GL_RGBA, channels);
+}
+
+/* Raw results, a mean over so many frames, which all take other slices and steps. Irradiance is that which arrives: times
+   its confidence. Caller frees. */
+static double* mean_of(scene* s, dgb_slot slot, int frames) {
+    const int pixels = s->m.width * s->m.height, channels = slot == DGB_AO_RAW ? 1 : 4;
+    double* mean = (double*)calloc((size_t)pixels, sizeof *mean);
+    int i, frame;
+    for (frame = 0; frame < frames; ++frame) {
+        float* image;
+        shade(s);
+        image = read_image(s, slot, channels);
+        for (i = 0; i < pixels; ++i)
+            mean[i] += (double)(channels == 1 ? image[i] : image[4 * i] * image[4 * i + 3]) / frames;
+        free(image);
+    }
+    return mean;
+}
+
+/* The pixel's point on a pane. */
+static void point_on(const scene* s, const pane* p, int x, int y, double point[3]) {
+    static const double eye[3] = {0.0, 0.0, 0.0};
+    double t;
+    int k;
+    ray_of(s, x, y, point);
+    t = meet(p, eye, point);
+    assert_true(t > 0.0);
+    for (k = 0; k < 3; ++k) point[k] *= t;
+}
+
+/* What a body hides, that stands behind a pane that is parallel to the image: all that the eye would see through it, so many
+   metres deep. */
+typedef struct body {
+    const pane* front;
+    double thickness;
+} body;
+
+static bool hides(const body* b, const double x[3], const double way[3], double radius) {
+    enum { DEPTHS = 100 };
+    const double *c = b->front->corner, *u = b->front->u, *v = b->front->v;
+    int i;
+    for (i = 0; i <= DEPTHS; ++i) {
+        const double z = c[2] - b->thickness * i / DEPTHS, t = (z - x[2]) / way[2], scale = c[2] / z;
+        const double at_x = (x[0] + t * way[0]) * scale - c[0], at_y = (x[1] + t * way[1]) * scale - c[1];
+        if (t > 0.0 && t <= radius && at_x >= 0.0 && at_x < u[0] && at_y >= 0.0 && at_y < v[1]) return true;
+    }
+    return false;
+}
+
+/* Cosine-weighted visibility from a point of a surface that faces the eye's image plane, by 256 x 64 directions. */
+static double true_visibility(const double x[3], const body* bodies, int count, double radius) {
+    enum { TURNS = 256, RINGS = 64 };
+    int turn, ring, i, open = 0;
+    for (turn = 0; turn < TURNS; ++turn)
+        for (ring = 0; ring < RINGS; ++ring) {
+            const double sine2 = (ring + 0.5) / RINGS, angle = 2.0 * PI * (turn + 0.5) / TURNS;
+            const double way[3] = {sqrt(sine2) * cos(angle), sqrt(sine2) * sin(angle), sqrt(1.0 - sine2)};
+            bool hidden = false;
+            for (i = 0; i < count; ++i) hidden = hidden || hides(&bodies[i], x, way, radius);
+            open += !hidden;
+        }
+    return (double)open / (TURNS * RINGS);
+}
+
+/* Share of what arrives at a point with normal n from a whole pane above its horizon: Lambert's sum over its sides. */
+static double form_factor(const double x[3], const double n[3], const pane* p) {
+    double corners[4][3], sum = 0.0;
+    int i, k;
+    for (i = 0; i < 4; ++i)
+        for (k = 0; k < 3; ++k)
+            corners[i][k] = p->corner[k] + (i == 1 || i == 2 ? p->u[k] : 0.0) + (i >= 2 ? p->v[k] : 0.0) - x[k];
+    for (i = 0; i < 4; ++i) {
+        const double *a = corners[i], *b = corners[(i + 1) % 4];
+        double c[3], length;
+        cross(a, b, c);
+        length = sqrt(dot(c, c));
+        sum += atan2(length, dot(a, b)) * dot(c, n) / length;
+    }
+    return fabs(sum) / (2.0 * PI);
+}
+
+/* >> nothing in the way */
+
+/* Planes of all tilts: nothing hides anything. A frame has two half planes of 32 sectors, and one that lies nearly across the
+   normal may be hidden as a whole, by the error of the Oct16 normal, up to 0.96 degrees: 1/2, in two of 16 frames at most.
+   On average over the image that is next to nothing. */
+static void test_planes_are_open(void** state) {
+    static const double tilts[] = {0.0, 0.4, 0.8, 1.1, 1.3};
+    size_t i;
+    int turn, k;
+    (void)state;
+    for (i = 0; i < sizeof tilts / sizeof tilts[0]; ++i)
+        for (turn = 0; turn < 3; ++turn) {
+            const double a = tilts[i], b = turn * 1.1;
+            /* the normal, and two sides of a pane so large that the eye sees nothing else */
+            const double n[3] = {sin(a) * cos(b), sin(a) * sin(b), cos(a)};
+            pane p = {{0.0, 0.0, -4.0}, {-sin(b), cos(b), 0.0}, {0.0, 0.0, 0.0}, 0.0};
+            scene s = open_scene(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL,
+                                 DGB_ESTIMATOR_BITMASK);
+            double *open, *light, sum = 0.0, least = 1.0, most = 0.0;
+            int count = 0;
+            cross(n, p.u, p.v);
+            for (k = 0; k < 3; ++k) p.corner[k] -= 500.0 * (p.u[k] + p.v[k]), p.u[k] *= 1000.0, p.v[k] *= 1000.0;
+            p.sent = 1.0;
+            trace(&s, &p, 1);
+            open = mean_of(&s, DGB_AO_RAW, 16);
+            light = mean_of(&s, DGB_IRRADIANCE_RAW, 16);
+            for (k = 0; k < 97 * 71; ++k) {
+                least = fmin(least, open[k]);
+                most = fmax(most, light[k]);
+                sum += open[k], ++count;
+            }
+            assert_true(least >= 1.0 - 2.0 * 0.5 / 16.0 - 1.5 / 255.0); /* stored in a byte */
+            assert_true(sum / count > 0.9995 && most < 0.02);
+            assert_true(sum / count > 0.999);
+            free(open);
+            free(light);
+            close_scene(&s);
+        }
+}
+
+/* >> visibility beside bodies of known shape */
+
+/* A wall that faces the eye at 5 m, panes before it. Compared at pixels of the middle row that see the wall, averaged over frames.
+   The bounds: the panes' borders are known to half a pixel, 2 cm, of a hemisphere of 0.6 to 1.5 m; a step up to 16 pixels
+   away is of one pixel, and farther ones of two and four. Over all pixels half of that cancels. */
+static void check_bodies(const char* name, int layers, const body* bodies, int count, float thickness, double bound,
+                         double mean_bound) {
+    static const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
+    const double radius = 1.5;
+    pane all[4];
+    scene s = open_scene(193, 145, layers, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    double *open, worst = 0.0, sum = 0.0;
+    int x, i, compared = 0, hidden = 0;
+    for (i = 0; i < count; ++i) all[i] = *bodies[i].front;
+    all[count] = wall;
+    s.params.ao_radius = (float)radius;
+    s.params.ao_samples = 96;
+    s.params.thickness = thickness;
+    trace(&s, all, count + 1);
+    open = mean_of(&s, DGB_AO_RAW, 64);
+    for (x = 50; x < 143; x += 4) {
+        double point[3], truth, error;
+        if (fabs((double)*images_at(&s.m, IMAGE_DEPTH, 0, x, 72) - (double)images_depth(5.0)) > 1e-6) continue;
+        point_on(&s, &wall, x, 72, point);
+        truth = true_visibility(point, bodies, count, radius);
+        error = open[72 * 193 + x] - truth;
+        worst = fmax(worst, fabs(error));
+        sum += error;
+        hidden += truth < 0.9;
+        ++compared;
+    }
+    print_message("%s: %d points, error %.4f at most, %+.4f on average\n", name, compared, worst, sum / compared);
+    assert_true(compared >= 10 && hidden >= 4);
+    assert_true(worst < bound && fabs(sum / compared) < mean_bound);
+    free(open);
+    close_scene(&s);
+}
+
+static void test_bodies(void** state) {
+    /* 0.6 m before the wall, from a little to the right of the middle on; and 0.6 m before that, one that hides it and one that
+       does not hide its border */
+    static const pane panes[] = {{{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
+                                 {{0.3, -3.0, -3.8}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
+                                 {{0.4, -2.0, -3.8}, {2.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, 0.0}};
+    static const body thin = {&panes[0], 0.2}, thick = {&panes[0], 0.4},
+                      plates[] = {{&panes[0], 0.2}, {&panes[1], 0.2}}, ended[] = {{&panes[0], 2.0}, {&panes[2], 0.6}};
+    (void)state;
+    check_bodies("a half plane of 0.2 m", 1, &thin, 1, 0.2f, 0.03, 0.01);
+    check_bodies("a slab of 0.4 m", 1, &thick, 1, 0.4f, 0.03, 0.01);
+    check_bodies("parallel plates, two layers", 2, plates, 2, 0.2f, 0.03, 0.01);
+    check_bodies("as thick as the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
+}
+
+/* A pane that glows towards the eye hangs before a wall: the wall sees its back. */
+static void test_back_of_a_lamp(void** state) {
+    const pane panes[] = {{{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0},
+                          {{0.3, -1.0, -4.5}, {2.0, 0.0, 0.0}, {0.0, 2.0, 0.0}, 5.0}};
+    int normal_test, i;
+    (void)state;
+    for (normal_test = 0; normal_test < 2; ++normal_test) {
+        scene s = open_scene(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+        double *light, sum = 0.0;
+        s.params.normal_test = normal_test != 0;
+        s.params.radius = 2.0f;
+        trace(&s, panes, 2);
+        light = mean_of(&s, DGB_IRRADIANCE_RAW, 4);
+        for (i = 0; i < 193 * 145; ++i) sum += light[i];
+        if (normal_test) assert_true(sum == 0.0);
+        if (!normal_test) assert_true(sum > 100.0); /* nobody asked which way it faces */
+        free(light);
+        close_scene(&s);
+    }
+}
+
+/* >> light */
+
+static const pane ground = {{-50.0, -1.0, -0.5}, {100.0, 0.0, 0.0}, {0.0, 0.0, -5.5}, 0.0};
+static const double up[3] = {0.0, 1.0, 0.0};
+
+/* A glowing wall stands on black ground: what arrives is its form factor. The bounds: the wall's foot and borders are known to
+   half a pixel, up to 3 cm where points are 0.5 m away, and what is seen of it stands for its step. */
+static void test_glowing_wall(void** state) {
+    const pane panes[] = {ground, {{-1.5, -1.0, -6.0}, {3.0, 0.0, 0.0}, {0.0, 2.5, 0.0}, 2.0}};
+    scene s = open_scene(193, 145, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    double *light, worst = 0.0, sum = 0.0;
+    int x, y, compared = 0;
+    (void)state;
+    s.params.radius = 5.0f;
+    s.params.samples = 128;
+    trace(&s, panes, 2);
+    light = mean_of(&s, DGB_IRRADIANCE_RAW, 64);
+    for (y = 28; y < 50; y += 3)
+        for (x = 70; x < 124; x += 9) {
+            double point[3], truth, error;
+            point_on(&s, &ground, x, y, point);
+            truth = 2.0 * PI * form_factor(point, up, &panes[1]);
+            error = (light[y * 193 + x] - truth) / truth;
+            worst = fmax(worst, fabs(error));
+            sum += error;
+            ++compared;
+        }
+    print_message("a glowing wall: %d points, relative error %.4f at most, %+.4f on average\n", compared, worst,
+                  sum / compared);
+    assert_true(worst < 0.08 && fabs(sum / compared) < 0.02);
+    free(light);
+    close_scene(&s);
+}
+
+/* A lamp behind a black wall, in the second layer, which the ground before the wall cannot see. */
+static double light_of_hidden_lamp(dgb_estimator estimator) {
+    const pane panes[] = {ground,
+                          {{-4.0, -1.0, -5.0}, {8.0, 0.0, 0.0}, {0.0, 0.8, 0.0}, 0.0},
+                          {{-1.0, -1.0, -5.8}, {2.0, 0.0, 0.0}, {0.0, 0.4, 0.0}, 10.0}};
+    scene s = open_scene(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, estimator);
+    double *light, sum = 0.0;
+    int x, y, count = 0, lit = 0;
+    s.params.radius = 3.0f;
+    s.params.samples = 64;
+    trace(&s, panes, 3);
+    for (x = 0; x < 193 * 145; ++x) lit += *images_at(&s.m, IMAGE_RADIANCE, 1, x % 193, x / 193) > 0.0f;
+    assert_true(lit > 50);
+    light = mean_of(&s, DGB_IRRADIANCE_RAW, 16);
+    for (y = 30; y < 45; ++y)
+        for (x = 80; x < 113; ++x) sum += light[y * 193 + x], ++count;
+    free(light);
+    close_scene(&s);
+    return sum / count;
+}
+
+static void test_hidden_lamp(void** state) {
+    const double paper = light_of_hidden_lamp(DGB_ESTIMATOR_PAPER),
+                 bitmask = light_of_hidden_lamp(DGB_ESTIMATOR_BITMASK);
+    (void)state;
+    print_message("a hidden lamp: %.5f by the paper's estimator, %.5f by the bitmask\n", paper, bitmask);
+    assert_true(paper > 0.02);
+    assert_true(bitmask < 0.02 * paper);
+}
+
+/* >> any image */
+
+static void fill_at_random(scene* s, uint32_t seed) {
+    int layer, x, y, k;
+    for (layer = 0; layer < 2; ++layer)
+        for (y = 0; y < s->m.height; ++y)
+            for (x = 0; x < s->m.width; ++x) {
+                const int hash = dgb_pixel_hash(x, y, (int)seed + layer), kind = hash % 16;
+                const float n[3] = {kind == 1 ? NAN : (float)(hash % 7 - 3), (float)(hash % 5 - 2),
+                                    kind == 2 ? INFINITY : (float)(hash % 11 - 3)};
+                if (kind == 0 || (layer && kind < 8)) continue; /* nothing there */
+                images_put(&s->m, layer, x, y, 2.0 + hash % 64 / 20.0 + layer, n);
+                for (k = 0; k < 3; ++k)
+                    images_at(&s->m, IMAGE_RADIANCE, layer, x, y)[k] = kind == 3 ? NAN : kind == 4 ? 4.0f : 1.0f;
+            }
+}
+
+/* Whatever is there: visibility and confidence in 0..1, never more light than the brightest sender would send from everywhere,
+   all finite, the same frame for frame without TEMPORAL, and the same with tiles that are left out. */
+static void check_any(int width, int height, int layers, uint32_t effects, uint32_t seed) {
+    const dgb_slot slots[] = {DGB_AO_RAW, DGB_IRRADIANCE_RAW, DGB_IRRADIANCE1_RAW};
+    const bool averaged = (effects & DGB_EFFECT_TEMPORAL) != 0;
+    scene s = open_scene(width, height, layers, effects, DGB_ESTIMATOR_BITMASK);
+    float* first[3] = {NULL, NULL, NULL};
+    int frame, i, k;
+    fill_at_random(&s, seed);
+    s.params.bounce_damping = 0.0f; /* nothing is brighter than what is emitted */
+    s.params.slices = 1 + (int)(seed % 3u);
+    s.params.thickness = seed % 2u ? 3.0f : 0.1f;
+    for (frame = 0; frame < 2; ++frame) {
+        s.params.adaptive = frame == 0 || averaged;
+        shade(&s);
+        for (k = 0; k < 3; ++k) {
+            const int channels = k ? 4 : 1, count = width * height * channels;
+            float* image;
+            if (!dgb_get_texture(&s.c, slots[k]).id) continue;
+            image = read_image(&s, slots[k], channels);
+            for (i = 0; i < count; ++i) {
+                const double most = k && i % 4 < 3 ? 4.0 * PI * 1.001 : 1.0; /* an ulp of a half */
+                assert_true((double)image[i] >= 0.0 && (double)image[i] <= most);
+            }
+            if (frame == 0) first[k] = image;
+            if (frame == 1 && !averaged) assert_memory_equal(image, first[k], sizeof *image * (size_t)count);
+            if (frame == 1) free(image);
+        }
+    }
+    for (k = 0; k < 3; ++k) free(first[k]);
+    close_scene(&s);
+}
+
+static void test_any_image(void** state) {
+    static const int sizes[][2] = {{1, 1}, {2, 1}, {3, 5}, {37, 23}, {65, 130}};
+    size_t i;
+    uint32_t seed = 0;
+    int layers;
+    (void)state;
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i)
+        for (layers = 1; layers <= 2; ++layers) {
+            check_any(sizes[i][0], sizes[i][1], layers, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY, seed++);
+            check_any(sizes[i][0], sizes[i][1], layers,
+                      DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL, seed++);
+        }
+}
+
+static void test_no_messages(void** state) {
+    (void)state;
+    assert_int_equal(f.messages, 0);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static int open_context(void** state) {
+    (void)state;
+    return fixture_open(&f, 4, 5, false, NULL);
+}
+
+static int close_context(void** state) {
+    (void)state;
+    fixture_close(&f);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_planes_are_open), cmocka_unit_test(test_bodies),      cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),  cmocka_unit_test(test_hidden_lamp), cmocka_unit_test(test_any_image),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
+}
