@@ -291,7 +291,7 @@ static void test_bodies(void** state) {
     check_bodies("a half plane of 0.2 m", 1, &thin, 1, 0.2f, 0.03, 0.01);
     check_bodies("a slab of 0.4 m", 1, &thick, 1, 0.4f, 0.03, 0.01);
     check_bodies("parallel plates, two layers", 2, plates, 2, 0.2f, 0.03, 0.01);
-    check_bodies("as thick as the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
+    check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
 /* A pane that glows towards the eye hangs before a wall: the wall sees its back. */
