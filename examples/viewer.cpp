@@ -126,7 +126,10 @@ private:
     bool is_script() const { return options_.frames > 0; } // then time goes by the frame, not by the clock
     bool is_last_frame() const { return is_script() && frame_ + 1 >= options_.frames; }
     int split_column() const { return int(std::lround(panel_.shown_split() * float(size_.x))); }
-    bool is_drawn(size_t side) const { return side == 0 ? panel_.split > 0.0f : panel_.split < 1.0f; }
+    // Without a renderer, the library has refused what a new scene should be shown with.
+    bool is_drawn(size_t side) const {
+        return halves_[side].renderer && (side == 0 ? panel_.split > 0.0f : panel_.split < 1.0f);
+    }
 
     ViewerOptions options_;
     Window window_; // before everything that lives in its context
@@ -195,9 +198,13 @@ void Viewer::open_scene(const Options& asked, bool keep_camera) {
     framed.width = size_.x;
     framed.height = size_.y;
     first_camera_ = choose_camera(framed, stage->scene);
-    for (Half& half : halves_) { half.renderer.reset(); } // before the scene that it draws
+    for (size_t i = 0; i < halves_.size(); ++i) { // before the scene that they draw
+        halves_[i].renderer.reset();
+        panel_.sides[i].plan = nullptr;
+    }
     stage_ = std::move(stage);
     options_.right.scene = asked.scene;
+    options_.right.camera = asked.camera;
     panel_.has_animation = !stage_->scene.animations.empty();
     if (!keep_camera) {
         camera_ = first_camera_;
@@ -369,7 +376,7 @@ void Viewer::follow_size() {
         layers.width = size_.x;
         layers.height = size_.y;
         try {
-            halves_[i].renderer->resize(size_.x, size_.y);
+            if (halves_[i].renderer) { halves_[i].renderer->resize(size_.x, size_.y); }
         } catch (const std::exception& error) { panel_.sides[i].desc_error = error.what(); }
     }
 }
@@ -385,7 +392,7 @@ double Viewer::frame_seconds() {
 // PREDICT and DELAY draw the next pose already.
 bool Viewer::needs_future() const {
     return std::any_of(halves_.begin(), halves_.end(), [](const Half& half) {
-        const dgb_oracle oracle = half.renderer->plan().oracle;
+        const dgb_oracle oracle = half.renderer ? half.renderer->plan().oracle : DGB_ORACLE_DEFAULT;
         return oracle == DGB_ORACLE_PREDICT || oracle == DGB_ORACLE_DELAY;
     });
 }

@@ -118,6 +118,10 @@ const std::vector<ParamGroup>& param_groups() {
          {{"samples", &P::samples, 1, 64, "taps a pixel"},
           {"min level", &P::min_level, 0, 5, "coarsest detail near by: MIP level"}},
          {{"normal test", &P::normal_test, "senders must face the receiver"}}},
+        {"Visibility bitmask",
+         {{"thickness", &P::thickness, 0.01f, 4.0f, "how far behind a surface its object hides, m"}},
+         {{"slices", &P::slices, 1, DGB_MAX_SLICES, "planes that share the taps"}},
+         {}},
         {"History",
          {{"history weight", &P::history_weight, 0.0f, 0.999f, "0: no history"},
           {"history tolerance", &P::history_tolerance, 0.0f, 0.1f, "share of the distance"},
@@ -227,6 +231,10 @@ bool edit_methods(const Edited& side) {
     bool changed = false;
     const auto tracer = [](int i) { return i == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; };
     if (choose("tracer", &d.tracer, DGB_TRACER_COUNT, tracer)) { changed = side.follow(&dgb_desc::tracer); }
+    const auto estimator = [](int i) { return i == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; };
+    if (choose("estimator", &d.estimator, DGB_ESTIMATOR_COUNT, estimator)) {
+        changed = side.follow(&dgb_desc::estimator);
+    }
     const auto senders = [](int i) { return i == DGB_SENDERS_BOTH ? "both" : "strongest"; };
     if (choose("senders", &d.senders, DGB_SENDERS_COUNT, senders)) { changed = side.follow(&dgb_desc::senders); }
     const auto normaliser = [](int i) { return i == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; };
@@ -456,6 +464,7 @@ void set_preset(dgb_preset_id preset, dgb_params* params) {
     params->separation = old.separation;
     params->ao_radius = old.ao_radius;
     params->radius = old.radius;
+    params->thickness = old.thickness;
     params->reflect_distance = old.reflect_distance;
     params->reflect_thickness = old.reflect_thickness;
     params->history_floor = old.history_floor;

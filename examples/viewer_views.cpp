@@ -114,14 +114,14 @@ void main() {
     vec3 color = vec3(0.0);
     if (u_paint == 0) color = filmic(image.rgb);
     if (u_paint == 1) color = image.rrr;
-    if (u_paint == 2) color = empty ? vec3(0.05, 0.08, 0.3) : vec3(exp2(-5.0 * distance_of(depth) / u_far));
+    if (u_paint == 2) color = empty ? vec3(0.05, 0.08, 0.3) : vec3(exp2(-3.0 * distance_of(depth) / u_far));
     if (u_paint == 3 && !empty) color = 0.5 + 0.5 * decode_normal(layer.rg);
     if (u_paint == 4 && !empty) color = srgb(layer.rgb);
     if (u_paint == 5 && !empty) color = filmic(layer.rgb);
     if (u_paint == 6 && !empty) color = vec3(clamp(0.5 + layer.rg / 32.0, 0.0, 1.0), 0.5);
     if (u_paint == 7) {
         bool kept = u_layer > 1 || u_packs == 0.0 || texelFetch(u_packed, pixel + int(u_layer_guard), 0)[min(u_layer, 1)] > -1e15;
-        vec3 dim = first == u_empty_depth ? vec3(0.0) : vec3(0.1 + 0.3 * exp2(-5.0 * distance_of(first) / u_far));
+        vec3 dim = first == u_empty_depth ? vec3(0.0) : vec3(0.1 + 0.3 * exp2(-3.0 * distance_of(first) / u_far));
         color = empty ? dim : dim + (kept ? vec3(0.0, 0.5, 0.5) : vec3(0.6, 0.0, 0.0));
     }
     if (u_paint == 8) color = filmic(image.rgb / PI);

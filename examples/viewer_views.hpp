@@ -46,8 +46,8 @@ class ViewPainter {
 public:
     ViewPainter();
 
-    // Fills the window, but for what lies outside of `visible`. exposure: powers of two. depth_range: from where on views of
-    // depth are nearly black, metres. history_weight: that of the frame. Returns whether the renderer has what the view
+    // Fills the window, but for what lies outside of `visible`. exposure: powers of two. depth_range: where views of depth
+    // have fallen to an eighth, metres. history_weight: that of the frame. Returns whether the renderer has what the view
     // shows; if not, all is dark grey.
     bool paint(const SceneRenderer& renderer, ViewChoice choice, Area window, Area visible, float exposure,
                float depth_range, float history_weight) const;

@@ -27,7 +27,7 @@ fi
 # >> without a window
 
 options='size guard layers separation oracle emit divisor effects preset samples radius ao-samples ao-radius camera sun point
-         sky probe exposure frames orbit clip time fps tracer roughness view split screenshot path left no-panel no-labels'
+         sky probe exposure frames orbit clip time fps tracer roughness estimator slices thickness view split screenshot path left no-panel no-labels'
 
 help_names_all() {
     $viewer --help >"$dir/help" || return 1
@@ -191,6 +191,10 @@ cat >path.txt <<'END'
 0  -5 2 3  0 2 -4  60
 1   5 3 3  0 2 -4  50
 END
+cat >middle.txt <<'END'
+-1  -5 2 3  0 2 -4  60
+ 1   5 3 3  0 2 -4  50
+END
 printf '0 1 2 3\n' >short.txt
 printf '1 0 0 0 0 0 1 60\n1 0 0 0 0 0 1 60\n' >still.txt
 printf '# none\n' >none.txt
@@ -200,6 +204,9 @@ check "it is another picture"                      other_columns moved right 0 1
 check "a path's first key is a camera"             first path --split 0 --path path.txt
 check "that --camera can give"                     first key --split 0 --camera=-5,2,3,0,2,-4,60
 check "both show the same"                         nearly path key
+check "between two keys it is in the middle"       first middle --split 0 --path middle.txt
+check "as a camera there is"                       first key --split 0 --camera=0,2.5,3,0,2,-4,55
+check "both show the same"                         nearly middle key
 check "a second on, the path is elsewhere"         shot later --split 0 --path path.txt --fps 1
 check "its last key is a camera, too"              shot last --split 0 --camera=5,3,3,0,2,-4,50
 check "and shows other surfaces than the first"    other_columns later path 0 160
@@ -223,7 +230,7 @@ check "so is what the left half asks for"          refuses $bare --left '--guard
 # plays COMMAND...: sends a window these while it draws, and then closes it
 # shellcheck disable=SC2016 # the inner shell expands them
 plays() {
-    $small --frames 100000 >played.out 2>played.err &
+    $played --frames 100000 >played.out 2>played.err &
     player=$!
     window=$(timeout 20 xdotool search --sync --onlyvisible --name '^deepgbuffer$')
     for command in "$@"; do sleep 1; eval "xdotool $command" || return 1; done
@@ -234,8 +241,22 @@ plays() {
     cat played.err
     [ ! -s played.err ]
 }
+
+# The picture after a change of size is that of a window that had it from the start.
+# shellcheck disable=SC2016
+resized_is_fresh() {
+    alone="--guard 16 --effects none --no-panel --no-labels"
+    rm -f viewer_001.png
+    $viewer --size 160x120 $alone --frames 1 --screenshot fresh.png || return 1
+    played="$viewer --size 320x200 $alone"
+    plays 'windowsize $window 160 120' 'windowfocus $window key F12' && cmp viewer_001.png fresh.png
+}
+
 # shellcheck disable=SC2016
 if command -v xdotool >/dev/null; then
+    check "a new size gives the picture of that size" resized_is_fresh
+    rm -f viewer_001.png
+    played=$small
     check "a new size does not end it" plays 'windowsize $window 321 203' 'windowsize $window 64 48' \
         'windowsize $window 200 150'
     check "nor do keys"                plays 'windowfocus $window key F1' 'key F2' 'key F5' 'key F10' 'key Tab Home space'
