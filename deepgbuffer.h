@@ -1641,13 +1641,42 @@ typedef struct dgbi_mirror_budget {
 /* clang-format off */
 /* budget: begin; written by `make budget`, do not edit */
 static const dgbi_budget dgbi_ao_budget[] = {
-    {1.0f, 16, 0, 11, true},
+    {0.41f, 4, 0, 1, true}, /* error 2.899 of BALANCED's */
+    {0.48f, 8, 0, 1, true}, /* error 1.825 of BALANCED's */
+    {0.57f, 4, 0, 5, true}, /* error 1.719 of BALANCED's */
+    {0.59f, 14, 2, 1, true}, /* error 1.504 of BALANCED's */
+    {0.60f, 14, 0, 1, true}, /* error 1.302 of BALANCED's */
+    {0.64f, 8, 0, 5, true}, /* error 1.172 of BALANCED's */
+    {0.74f, 14, 0, 5, true}, /* error 0.949 of BALANCED's */
+    {0.89f, 30, 0, 1, true}, /* error 0.925 of BALANCED's */
+    {1.05f, 30, 0, 5, true}, /* error 0.824 of BALANCED's */
+    {1.51f, 64, 0, 1, true}, /* error 0.788 of BALANCED's */
 };
 static const dgbi_budget dgbi_light_budget[] = {
-    {1.0f, 14, 2, 11, true},
+    {0.44f, 4, 2, 1, false}, /* error 2.069 of BALANCED's */
+    {0.48f, 4, 2, 1, true}, /* error 2.020 of BALANCED's */
+    {0.52f, 8, 2, 1, false}, /* error 1.779 of BALANCED's */
+    {0.56f, 8, 2, 1, true}, /* error 1.730 of BALANCED's */
+    {0.56f, 4, 2, 5, false}, /* error 1.327 of BALANCED's */
+    {0.57f, 4, 2, 5, true}, /* error 1.295 of BALANCED's */
+    {0.63f, 8, 2, 5, false}, /* error 1.200 of BALANCED's */
+    {0.68f, 8, 2, 5, true}, /* error 1.164 of BALANCED's */
+    {0.70f, 4, 2, 11, false}, /* error 1.141 of BALANCED's */
+    {0.74f, 4, 2, 11, true}, /* error 1.117 of BALANCED's */
+    {0.79f, 8, 2, 11, false}, /* error 1.075 of BALANCED's */
+    {0.85f, 8, 2, 11, true}, /* error 1.044 of BALANCED's */
+    {0.93f, 14, 2, 11, false}, /* error 1.030 of BALANCED's */
+    {1.00f, 14, 2, 11, true}, /* error 1.000 of BALANCED's */
+    {1.41f, 30, 2, 11, true}, /* error 0.979 of BALANCED's */
+    {2.33f, 64, 2, 11, true}, /* error 0.964 of BALANCED's */
 };
 static const dgbi_mirror_budget dgbi_reflect_budget[] = {
-    {1.0f, 2},
+    {0.45f, 16}, /* error 1.214 of BALANCED's */
+    {0.48f, 12}, /* error 1.153 of BALANCED's */
+    {0.57f, 6}, /* error 1.089 of BALANCED's */
+    {0.78f, 3}, /* error 1.068 of BALANCED's */
+    {1.00f, 2}, /* error 1.000 of BALANCED's */
+    {1.63f, 1}, /* error 0.949 of BALANCED's */
 };
 /* budget: end */
 /* clang-format on */

@@ -55,6 +55,10 @@ void set_normal_test(Setting* s, double v) { s->params.normal_test = v > 0.0; }
 void set_senders(Setting* s, double v) { s->senders = dgb_senders(int(v)); }
 void set_normaliser(Setting* s, double v) { s->normaliser = dgb_normaliser(int(v)); }
 void set_coverage(Setting* s, double v) { s->coverage = float(v); }
+void set_estimator(Setting* s, double v) {
+    s->estimator = dgb_estimator(int(v));
+    if (s->estimator == DGB_ESTIMATOR_BITMASK) { s->coverage = 1.0f; } // its confidence is the share itself
+}
 void set_stride(Setting* s, double v) { s->params.reflect_stride = int(v); }
 void set_thickness(Setting* s, double v) { s->params.reflect_thickness = float(v); }
 void set_tracer(Setting* s, double v) { s->tracer = dgb_tracer(int(v)); }
@@ -76,6 +80,7 @@ std::vector<Change> all_changes() {
     add<set_normal_test, is_light>(&changes, "normal_test", {0, 1});
     add<set_senders, is_light>(&changes, "senders", {DGB_SENDERS_BOTH, DGB_SENDERS_STRONGEST});
     add<set_normaliser, is_light>(&changes, "normaliser", {DGB_NORMALISER_BOUNDED, DGB_NORMALISER_PAPER});
+    add<set_estimator, gathers>(&changes, "estimator", {DGB_ESTIMATOR_PAPER, DGB_ESTIMATOR_BITMASK});
     add<set_coverage, is_light>(&changes, "coverage", {1, 1.5, 2, 3, 4});
     add<set_stride, is_mirror>(&changes, "stride", {1, 2, 4, 8, 16});
     add<set_thickness, is_mirror>(&changes, "thickness", {0.05, 0.1, 0.25, 0.5, 1.0, 2.0});
@@ -96,6 +101,7 @@ std::string value_text(const Change& change) {
     if (name == "oracle") { return dgb_oracle_name(dgb_oracle(i)); }
     if (name == "senders") { return i == DGB_SENDERS_BOTH ? "both" : "strongest"; }
     if (name == "normaliser") { return i == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; }
+    if (name == "estimator") { return i == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; }
     if (name == "tracer") { return i == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; }
     return text("%g", change.value);
 }
@@ -136,7 +142,8 @@ std::string key_of(const Setting& s) {
     const bool second = s.layers > 1; // what only the second layer depends on
     const std::string layers = text("k%d d%g o%d v%d", s.layers, second ? double(q.separation) : 0.0,
                                     second ? int(s.oracle) : 0, second ? s.divisor : 1);
-    const std::string filter = text(" f%d s%d", q.filter_taps, q.filter_taps > 1 ? q.filter_step : 1);
+    const std::string filter = text(" f%d s%d", q.filter_taps, q.filter_taps > 1 ? q.filter_step : 1) +
+                               (s.estimator == DGB_ESTIMATOR_BITMASK ? " bitmask" : "");
     if (s.effect == Effect::occlusion) {
         return layers + text(" n%d r%g m%d", q.ao_samples, double(q.ao_radius), q.ao_min_level) + filter;
     }
@@ -246,7 +253,8 @@ std::vector<Setting> budget_settings() {
 
 dgb_params scaled(dgb_params params, float size) {
     const float share = std::min(size / kRoom, 1.0f);
-    for (float* length : {&params.separation, &params.ao_radius, &params.radius, &params.reflect_thickness}) {
+    for (float* length :
+         {&params.separation, &params.ao_radius, &params.radius, &params.reflect_thickness, &params.thickness}) {
         *length *= share;
     }
     return params;

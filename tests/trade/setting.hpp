@@ -20,6 +20,7 @@ struct Setting {
     dgb_oracle oracle = DGB_ORACLE_REPROJECT;
     dgb_senders senders = DGB_SENDERS_BOTH;
     dgb_normaliser normaliser = DGB_NORMALISER_BOUNDED;
+    dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
     float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
     dgb_params params{};   // lengths are shares of the scene's: see scaled()

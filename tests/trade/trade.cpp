@@ -106,6 +106,7 @@ std::unique_ptr<SceneRenderer> make_renderer(const GpuScene& scene, const SceneL
     desc.layers.divisor = setting.layers > 1 ? setting.divisor : 1;
     desc.layers.senders = setting.senders;
     desc.layers.normaliser = setting.normaliser;
+    desc.layers.estimator = setting.estimator;
     desc.layers.tracer = setting.tracer;
     desc.scene = &scene;
     desc.lights = &lights;
@@ -358,6 +359,7 @@ private:
         dgb_desc desc = EngineLayers::describe(plan.width, plan.height, setting.layers, bits_of(setting.effect));
         desc.senders = setting.senders;
         desc.normaliser = setting.normaliser;
+        desc.estimator = setting.estimator;
         desc.tracer = setting.tracer;
         return desc;
     }
@@ -765,7 +767,7 @@ void write_budget(const std::vector<Row>& rows, const std::vector<Setting>& sett
         if (worth.scenes > 0) { budget.push_back(budget_row(setting, worth.of(worth.cost), worth.of(worth.error))); }
     }
     write_budget(kBudget, budget);
-    const bool same = embed_budget(kHeader, budget, false);
+    const bool same = embed_budget(kHeader, read_budget(kBudget), false); // as rounded there
     std::printf("%s, %s%s\n", kBudget, kHeader, same ? " (as before)" : "");
 }
 
