@@ -63,6 +63,7 @@ refused 'sun'                                  --left '--sun none'
 Xvfb -displayfd 3 -screen 0 1024x768x24 3>"$dir/display" 2>"$dir/server" &
 server=$!
 trap 'kill $server; rm -rf "$dir"' EXIT
+trap 'exit 1' INT TERM
 for wait in 1 2 3 4 5 6 7 8 9 10; do if [ -s "$dir/display" ]; then break; fi; sleep 0.5; done
 DISPLAY=:$(cat "$dir/display")
 export DISPLAY
