@@ -144,7 +144,7 @@ uniform sampler2D u_reflection;
 uniform int u_has_ao;
 uniform int u_has_irradiance;
 uniform int u_has_reflection; // 1: of mirrors only; 2: of rough surfaces as well
-uniform float u_confidence; // negative: that of the irradiance
+uniform float u_covered; // share of the hemisphere; negative: by the confidence of the irradiance
 uniform int u_guard;        // pixels
 uniform float u_empty_depth;
 uniform mat4 u_view;
@@ -189,10 +189,10 @@ const float ROUGHEST_MIRROR = 0.3; // on which a mirror's sharp image fades out
 // material: roughness, metallic. Where no ray of the lobe hit anything, the sky, blurred to its irradiance.
 vec3 mirrored(vec3 normal, vec3 view, vec2 material, float visibility, vec4 reflection) {
     vec3 l = reflect(view, normal);
-    if (u_has_reflection == 1) reflection.a *= max(1.0 - material.x / ROUGHEST_MIRROR, 0.0);
     vec3 environment = visibility * mix(sky_radiance(l), probe_radiance(l), material.x);
     float cosine = clamp(-dot(view, normal), 0.0, 1.0);
-    return environment_brdf(material.x, material.y, cosine) * dgb_mirror(environment, reflection);
+    float sharp = u_has_reflection == 1 ? max(1.0 - material.x / ROUGHEST_MIRROR, 0.0) : 1.0;
+    return sharp * environment_brdf(material.x, material.y, cosine) * dgb_mirror(environment, reflection);
 }
 
 void main() {
@@ -203,7 +203,7 @@ void main() {
     vec4 irradiance = u_has_irradiance != 0 ? texelFetch(u_irradiance, p, 0) : vec4(0.0); // a: confidence
     vec4 surface = texelFetch(u_normal, ivec3(p, 0), 0);
     vec3 normal = transpose(mat3(u_view)) * decode_normal(surface.rg);
-    float confidence = u_confidence < 0.0 ? irradiance.a : u_confidence;
+    float confidence = u_covered < 0.0 ? irradiance.a : 0.5 * u_covered; // which dgb_fallback doubles
     vec3 ambient = dgb_fallback(PI * probe_radiance(normal), visibility, vec4(irradiance.rgb, confidence));
 
     vec3 view = ray_direction(gl_FragCoord.xy + float(u_guard)), sky = sky_radiance(view);
@@ -523,7 +523,7 @@ void SceneRenderer::light_layers() {
     desc_.times->end("light");
 }
 
-void SceneRenderer::composite(std::optional<float> confidence) {
+void SceneRenderer::composite(std::optional<float> covered) {
     const GLuint program = composite_program_.name();
     const auto bind_if_there = [&](const char* name, int unit, dgb_slot slot) {
         const GLuint unread = direct_.name(); // a sampler must not be without a texture
@@ -543,7 +543,7 @@ void SceneRenderer::composite(std::optional<float> confidence) {
     set_uniform(program, "u_has_reflection", has(DGB_REFLECTION_RAW) ? 2 : int(has(DGB_REFLECTION)));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
-    set_uniform(program, "u_confidence", confidence.value_or(-1.0f));
+    set_uniform(program, "u_covered", covered.value_or(-1.0f));
     set_uniform(program, "u_guard", desc_.layers.guard_band);
     set_uniform(program, "u_empty_depth", empty_depth());
     set_uniform(program, "u_view", view_);

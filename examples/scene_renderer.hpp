@@ -74,8 +74,9 @@ public:
     // The layers of the last frame once more, lit as they are, without pictures. For the library it is one frame more, in
     // which nothing moved.
     void shade_again(const dgb_params& params);
-    // Pictures of the last frame with this confidence everywhere; none: with each pixel's own, as every frame has them.
-    void composite(std::optional<float> confidence = std::nullopt);
+    // Pictures of the last frame with light from this share of the hemisphere everywhere; none: by each pixel's confidence, as
+    // every frame has them.
+    void composite(std::optional<float> covered = std::nullopt);
 
     // What the layers show: the pose of the frame, but for DGB_ORACLE_DELAY, which shows the one before.
     const GpuPose& drawn_pose() const { return *drawn_; }

@@ -149,7 +149,7 @@ sun=
 
 # >> all of it
 
-# final = albedo lerp(visibility * probe(normal), irradiance / pi, confidence), without emission, and with a camera that
+# final = albedo lerp(visibility * probe(normal), irradiance / pi, min(2 confidence, 1)), without emission, and with a camera that
 # has the axes of the world
 # shellcheck disable=SC2046,SC2086 # lists of words
 composite_adds_up() {
@@ -166,7 +166,8 @@ composite_adds_up() {
                   probe = c[1] + c[2] * y + c[3] * z + c[4] * x + c[5] * x * y + c[6] * y * z + c[7] * (3 * y * y - 1) + \
                           c[8] * x * z + c[9] * (z * z - x * x)
                   if (probe < 0) probe = 0
-                  error = $12 - $1 * ($10 * probe * (1 - $11) + $7 / pi * $11)
+                  known = $11 < 0.5 ? 2 * $11 : 1
+                  error = $12 - $1 * ($10 * probe * (1 - known) + $7 / pi * known)
                   if (error < 0) error = -error
                   if (error > worst) worst = error
                   if ($12 > most) most = $12 }

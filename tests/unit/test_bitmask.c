@@ -108,7 +108,8 @@ static void test_share_of_a_facing_surface(void** state) {
     int i;
     (void)state;
     dgb_slice(n, n, along, slice);
-    assert_true(slice[0] == 1.0f && slice[1] == 0.0f && fabsf(slice[3] - 1.0f) < 1e-6f);
+    /* within a few roundings: -ffast-math may divide by multiplying */
+    assert_true(fabsf(slice[0] - 1.0f) < 1e-6f && fabsf(slice[1]) < 1e-6f && fabsf(slice[3] - 1.0f) < 1e-6f);
     for (i = 0; i <= 90; ++i) {
         const double t = i * pi / 180.0;
         const float q[2] = {(float)cos(t), (float)sin(t)};
