@@ -280,42 +280,41 @@ typedef enum dgb_result {
 } dgb_result;
 
 /* X(name, sentence): every reason a call can give. */
-#define DGB_LOG_ITEMS(X)                                                                                            \
-    X(NULL_ARGUMENT, "a required pointer is null")                                                                  \
-    X(SIZE, "width and height must be 1 to 16384 pixels")                                                           \
-    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")           \
-    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                      \
-    X(EFFECTS, "effects holds an unknown bit, BOUNCES without RADIOSITY, GLOSSY without REFLECT, or TEMPORAL with " \
-               "nothing to filter")                                                                                 \
-    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                          \
-    X(ENUM, "an enum of the desc is out of range")                                                                  \
-    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")       \
-    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")               \
-    X(EMISSION, "the backend does not offer this emission")                                                         \
-    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                                \
-    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                             \
-    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                              \
-    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                    \
-    X(TEXTURE, "the backend could not create a texture")                                                            \
-    X(PROGRAM, "the backend could not create a program")                                                            \
-    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                        \
-    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                                  \
-    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round")    \
-    X(SEPARATION, "separation must be finite and 0 or more")                                                        \
-    X(AO_PARAMS,                                                                                                    \
-      "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")        \
-    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                              \
-    X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                         \
-    X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                       \
-    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")            \
-    X(REFLECT_PARAMS,                                                                                               \
-      "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")     \
-    X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                                  \
-    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                              \
-    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")             \
-    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                              \
-    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")              \
-    X(INPUT, "a texture that the plan reads was not given")                                                         \
+#define DGB_LOG_ITEMS(X)                                                                                         \
+    X(NULL_ARGUMENT, "a required pointer is null")                                                               \
+    X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
+    X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
+    X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
+    X(EFFECTS, "effects holds an unknown bit, or BOUNCES, GLOSSY or TEMPORAL without what they need")            \
+    X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
+    X(ENUM, "an enum of the desc is out of range")                                                               \
+    X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
+    X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")            \
+    X(EMISSION, "the backend does not offer this emission")                                                      \
+    X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                             \
+    X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                          \
+    X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                           \
+    X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                 \
+    X(TEXTURE, "the backend could not create a texture")                                                         \
+    X(PROGRAM, "the backend could not create a program")                                                         \
+    X(MATRIX, "view, projection or jitter holds a value that is not finite")                                     \
+    X(PROJECTION, "the projection is singular, skewed, oblique, or looks down +Z")                               \
+    X(DIRECTION, "depth grows with distance in the projection but desc.reversed is set, or the other way round") \
+    X(SEPARATION, "separation must be finite and 0 or more")                                                     \
+    X(AO_PARAMS,                                                                                                 \
+      "ao_radius must be 1e-15 to 1e14, ao_samples 1 to 256, ao_bias, _epsilon, _intensity finite and >= 0")     \
+    X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
+    X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                      \
+    X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
+    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
+    X(REFLECT_PARAMS,                                                                                            \
+      "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
+    X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                               \
+    X(MIP_PARAMS, "minimum MIP levels must be 0 to 5")                                                           \
+    X(FILTER_PARAMS, "filter_taps must be odd, 1 to 25, filter_step 1 to 8, sharpness finite and >= 0")          \
+    X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
+    X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")           \
+    X(INPUT, "a texture that the plan reads was not given")                                                      \
     X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
 
 typedef enum dgb_log_item {
