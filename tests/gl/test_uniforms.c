@@ -237,22 +237,7 @@ static void test_material(void** state) {
         }
 }
 
-static void test_no_messages(void** state) {
-    (void)state;
-    assert_int_equal(f.messages, 0);
-    assert_int_equal(glGetError(), GL_NO_ERROR);
-}
-
-static int open_context(void** state) {
-    (void)state;
-    return fixture_open(&f, 4, 5, false, NULL);
-}
-
-static int close_context(void** state) {
-    (void)state;
-    fixture_close(&f);
-    return 0;
-}
+FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {

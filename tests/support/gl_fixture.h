@@ -34,6 +34,24 @@ typedef struct fixture_view { /* where the camera is; `fixture_default_view` sta
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
 void fixture_close(fixture* f);
 
+/* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages, which
+   stands last in its list. For files that include cmocka.h. */
+#define FIXTURE_CONTEXT(f, major, minor, es)               \
+    static void test_no_messages(void** state) {           \
+        (void)state;                                       \
+        assert_int_equal((f).messages, 0);                 \
+        assert_int_equal(glGetError(), GL_NO_ERROR);       \
+    }                                                      \
+    static int open_context(void** state) {                \
+        (void)state;                                       \
+        return fixture_open(&(f), major, minor, es, NULL); \
+    }                                                      \
+    static int close_context(void** state) {               \
+        (void)state;                                       \
+        fixture_close(&(f));                               \
+        return 0;                                          \
+    }
+
 fixture_view fixture_default_view(void);
 dgb_view fixture_dgb_view(const fixture_view* v, int width, int height);
 
