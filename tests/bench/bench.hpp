@@ -91,6 +91,12 @@ inline View load_view(const std::string& argument) {
     return view;
 }
 
+// Gives the second view of a scene another name than the first.
+inline void tell_from(const std::vector<std::string>& names, std::string* name) {
+    const std::string file = *name;
+    for (int i = 2; std::count(names.begin(), names.end(), *name) > 0; ++i) { *name = file + " " + std::to_string(i); }
+}
+
 struct Motion {
     float metres;  // that the eye moves in a frame, root mean square
     float degrees; // that it turns in a frame, likewise

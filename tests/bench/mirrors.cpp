@@ -496,12 +496,6 @@ void measure(Subject subject, int frames, Contenders* contenders, std::FILE* csv
     write_popping(popping_csv, stage, popping);
 }
 
-// Gives the second view of a scene another name than the first.
-void tell_from(const std::vector<std::string>& names, std::string* name) {
-    const std::string file = *name;
-    for (int i = 2; std::count(names.begin(), names.end(), *name) > 0; ++i) { *name = file + " " + std::to_string(i); }
-}
-
 void run(const Options& options) {
     const int frames = options.quick ? 2 : 12;
     std::vector<std::string> names;

@@ -548,12 +548,6 @@ void plot(const std::vector<std::string>& scenes) {
     }
 }
 
-// Gives the second view of a scene another name than the first.
-void tell_from(const std::vector<std::string>& names, std::string* name) {
-    const std::string file = *name;
-    for (int i = 2; std::count(names.begin(), names.end(), *name) > 0; ++i) { *name = file + " " + std::to_string(i); }
-}
-
 void run(const Options& options) {
     const int warm_up = options.quick ? 6 : 24, frames = options.quick ? 10 : 60;
     std::vector<std::string> arguments = options.scenes, names;
