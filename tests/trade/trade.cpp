@@ -68,7 +68,6 @@ class Stage {
 public:
     Stage(const std::string& argument, const Plan& plan);
 
-    const std::string& name() const { return subject_.view.name; }
     float size() const { return subject_.size(); } // metres
     const ReferenceView& view() const { return reference_view_; }
     const ReferenceScene& reference() const { return *reference_; }
@@ -278,11 +277,19 @@ enum Measure {
     kMeasureCount
 };
 
+struct NamedView {
+    std::string name; // in this run
+    std::string view; // file and camera: the same in all runs, and no other's
+};
+
 struct Row {
-    std::string scene, size, effect, around, varied, key;
+    std::string scene, view; // as above
+    std::string size, effect, around, varied, key;
     std::array<double, kMeasureCount> measures{};
     bool on_front = false; // no other setting of the scene and effect costs less and is nearer to the truth
 };
+
+constexpr size_t kTexts = 7; // columns before the measures
 
 std::vector<std::string> split(const std::string& line) {
     std::vector<std::string> words;
@@ -292,8 +299,8 @@ std::vector<std::string> split(const std::string& line) {
 }
 
 std::string text_of(const Row& row) {
-    std::string line =
-        row.scene + "," + row.size + "," + row.effect + "," + row.around + "," + row.varied + "," + row.key;
+    std::string line = row.scene + "," + row.view + "," + row.size + "," + row.effect + "," + row.around + "," +
+                       row.varied + "," + row.key;
     for (const double measure : row.measures) {
         char number[32];
         std::snprintf(number, sizeof number, ",%.6g", measure);
@@ -302,23 +309,30 @@ std::string text_of(const Row& row) {
     return line;
 }
 
-// Of a file that an earlier run left, or none. A line that was cut off is measured again.
+// Of a file that an earlier run left, or none, without a line that was cut off.
 std::vector<Row> read_rows(const std::string& path) {
     std::vector<Row> rows;
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
         const std::vector<std::string> words = split(line);
-        if (words.size() != 6 + kMeasureCount) { continue; }
-        Row row{words[0], words[1], words[2], words[3], words[4], words[5]};
-        for (size_t i = 0; i < kMeasureCount; ++i) { row.measures[i] = std::strtod(words[6 + i].c_str(), nullptr); }
+        if (file.eof() || words.size() != kTexts + kMeasureCount) { continue; }
+        Row row{words[0], words[1], words[2], words[3], words[4], words[5], words[6]};
+        for (size_t i = 0; i < kMeasureCount; ++i) {
+            row.measures[i] = std::strtod(words[kTexts + i].c_str(), nullptr);
+        }
         rows.push_back(std::move(row));
     }
     return rows;
 }
 
+void write_rows(const std::string& name, const std::vector<Row>& rows) {
+    const File file = open_result(name, "w");
+    for (const Row& row : rows) { std::fprintf(file.get(), "%s\n", text_of(row).c_str()); }
+}
+
 const Row* find_row(const std::vector<Row>& rows, const Row& wanted) {
     const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
-        return row.scene == wanted.scene && row.size == wanted.size && row.effect == wanted.effect &&
+        return row.view == wanted.view && row.size == wanted.size && row.effect == wanted.effect &&
                row.key == wanted.key;
     });
     return found != rows.end() ? &*found : nullptr;
@@ -501,7 +515,7 @@ Row measure(Stage* stage, const Plan& plan, const Truth& truth, const Setting& s
 
 // ---- Fronts and answers ---------------------------------------------------------------------------------
 
-bool same_contest(const Row& a, const Row& b) { return a.scene == b.scene && a.size == b.size && a.effect == b.effect; }
+bool same_contest(const Row& a, const Row& b) { return a.view == b.view && a.size == b.size && a.effect == b.effect; }
 
 void mark_fronts(std::vector<Row>* rows) {
     for (Row& row : *rows) {
@@ -515,7 +529,7 @@ void mark_fronts(std::vector<Row>* rows) {
 
 void write_csv(const std::vector<Row>& rows) {
     const File csv = open_result("trade.csv", "w");
-    std::string head = "scene,size,effect,around,varied,setting";
+    std::string head = "scene,view,size,effect,around,varied,setting";
     for (const char* measure : kMeasures) { head += std::string(",") + measure; }
     std::fprintf(csv.get(), "%s,front\n", head.c_str());
     for (const Row& row : rows) { std::fprintf(csv.get(), "%s,%d\n", text_of(row).c_str(), int(row.on_front)); }
@@ -609,7 +623,7 @@ void print_presets(const std::vector<Row>& rows) {
 // ---- Plot -----------------------------------------------------------------------------------------------
 
 // A row of panels an effect, one a scene: error over cost; the front is a line.
-void write_plot_script(const std::vector<std::string>& scenes) {
+void write_plot_script(const std::vector<NamedView>& scenes) {
     const File script = open_result("trade.gnuplot", "w");
     std::FILE* out = script.get();
     std::fprintf(out,
@@ -618,30 +632,30 @@ void write_plot_script(const std::vector<std::string>& scenes) {
                  "logscale xy\nset autoscale fix\nset offsets graph 0.05, graph 0.05, graph 0.25, graph 0.05\n"
                  "set key font ',9'\nset format y '%%.3g'\nset format x '%%.2g'\n",
                  std::max<size_t>(360 * scenes.size(), 480), scenes.size());
-    const int error = 7, cost = 7 + kCostBuilt, front = 7 + kMeasureCount; // columns, from 1
     for (const Effect effect : kEffects) {
-        for (const std::string& scene : scenes) {
-            const std::string mine = "strcol(1) eq '" + scene + "' && strcol(3) eq '" + name_of(effect) + "'";
+        for (const NamedView& scene : scenes) {
+            const std::string mine =
+                "strcol('scene') eq '" + scene.name + "' && strcol('effect') eq '" + name_of(effect) + "'";
             const auto points = [&](const std::string& which) {
-                return "(" + mine + " && " + which + " ? $" + std::to_string(cost) + " : NaN):" + std::to_string(error);
+                return "(" + mine + " && " + which + " ? column('cost_built') : NaN):'rmse'";
             };
             std::fprintf(out,
                          "set title '%s, %s' noenhanced\nset xlabel 'cost, building included'\nset ylabel 'RMSE'\n",
-                         scene.c_str(), name_of(effect));
+                         scene.name.c_str(), name_of(effect));
             std::fprintf(
                 out,
                 "plot 'build/trade/trade.csv' using %s with points pt 7 ps 0.35 lc rgb '#d95f02' title '1 layer', "
                 "'' using %s with points pt 7 ps 0.35 lc rgb '#1b9e77' title '2 layers', "
                 "'' using %s with points pt 6 ps 0.8 lc rgb 'black' title 'front', "
-                "'' using %s:4 with labels offset 0, 0.7 font ',9' notitle\n",
-                points("strcol(6)[1:2] eq 'k1'").c_str(), points("strcol(6)[1:2] eq 'k2'").c_str(),
-                points("$" + std::to_string(front) + " > 0").c_str(),
-                points("strcol(5) eq '' && strcol(4) ne 'random'").c_str());
+                "'' using %s:'around' with labels offset 0, 0.7 font ',9' notitle\n",
+                points("strcol('setting')[1:2] eq 'k1'").c_str(), points("strcol('setting')[1:2] eq 'k2'").c_str(),
+                points("column('front') > 0").c_str(),
+                points("strcol('varied') eq '' && strcol('around') ne 'random'").c_str());
         }
     }
 }
 
-void plot(const std::vector<std::string>& scenes) {
+void plot(const std::vector<NamedView>& scenes) {
     write_plot_script(scenes);
     if (std::system("command -v gnuplot >/dev/null && gnuplot build/trade/trade.gnuplot") == 0) { // NOLINT
         std::printf("\nbuild/trade/trade.csv, build/trade/trade.svg\n");
@@ -653,28 +667,37 @@ void plot(const std::vector<std::string>& scenes) {
 
 // ---- Program --------------------------------------------------------------------------------------------
 
-std::string size_text(const Plan& plan) { return std::to_string(plan.width) + "x" + std::to_string(plan.height); }
-
-Row name_row(const Stage& stage, const Plan& plan, const Setting& setting) {
-    return {stage.name(), size_text(plan), name_of(setting.effect), setting.around, setting.varied, key_of(setting)};
+// File, without its folder, and camera; no commas.
+std::string view_text(const std::string& argument) {
+    std::string text =
+        argument.empty() ? "atrium" : argument.substr(argument.find_last_of('/', argument.find('@')) + 1);
+    std::replace(text.begin(), text.end(), ',', ' ');
+    return text;
 }
 
-void sweep(const std::string& argument, const Plan& plan, const std::vector<Setting>& settings, std::vector<Row>* rows,
-           std::vector<std::string>* scenes) {
-    Stage stage(argument, plan);
-    scenes->push_back(stage.name());
+std::string size_text(const Plan& plan) { return std::to_string(plan.width) + "x" + std::to_string(plan.height); }
+
+Row name_row(const NamedView& scene, const Plan& plan, const Setting& setting) {
+    return {scene.name,     scene.view,     size_text(plan), name_of(setting.effect),
+            setting.around, setting.varied, key_of(setting)};
+}
+
+// Everything that is not in `rows` yet goes there and, at once, into rows.csv.
+void sweep(const std::string& argument, const NamedView& scene, const Plan& plan, const std::vector<Setting>& settings,
+           std::vector<Row>* rows) {
     std::vector<Setting> missing;
     for (const Setting& setting : settings) {
-        if (find_row(*rows, name_row(stage, plan, setting)) == nullptr) { missing.push_back(setting); }
+        if (find_row(*rows, name_row(scene, plan, setting)) == nullptr) { missing.push_back(setting); }
     }
-    std::printf("%s, %s: %zu settings, %zu to measure\n", stage.name().c_str(), size_text(plan).c_str(),
-                settings.size(), missing.size());
+    std::printf("%s, %s: %zu settings, %zu to measure\n", scene.name.c_str(), size_text(plan).c_str(), settings.size(),
+                missing.size());
     std::fflush(stdout);
     if (missing.empty()) { return; }
+    Stage stage(argument, plan);
     const Truth truth = trace_truth(stage, plan);
     const File file = open_result("rows.csv", "a");
     for (size_t i = 0; i < missing.size(); ++i) {
-        rows->push_back(measure(&stage, plan, truth, missing[i], name_row(stage, plan, missing[i])));
+        rows->push_back(measure(&stage, plan, truth, missing[i], name_row(scene, plan, missing[i])));
         std::fprintf(file.get(), "%s\n", text_of(rows->back()).c_str());
         std::fflush(file.get());
         if ((i + 1) % 50 == 0) {
@@ -685,13 +708,12 @@ void sweep(const std::string& argument, const Plan& plan, const std::vector<Sett
 }
 
 // In the order of the settings, whatever was measured when.
-std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<std::string>& scenes, const Plan& plan,
+std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<NamedView>& scenes, const Plan& plan,
                           const std::vector<Setting>& settings) {
     std::vector<Row> ordered;
-    for (const std::string& scene : scenes) {
+    for (const NamedView& scene : scenes) {
         for (const Setting& setting : settings) {
-            Row wanted{scene,          size_text(plan), name_of(setting.effect),
-                       setting.around, setting.varied,  key_of(setting)};
+            Row wanted = name_row(scene, plan, setting);
             if (const Row* row = find_row(rows, wanted)) {
                 wanted.measures = row->measures;
                 ordered.push_back(std::move(wanted));
@@ -699,6 +721,19 @@ std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<std::s
         }
     }
     return ordered;
+}
+
+// The scenes' names, each once.
+std::vector<NamedView> name_views(const std::vector<std::string>& arguments) {
+    std::vector<NamedView> views;
+    std::vector<std::string> names;
+    for (const std::string& argument : arguments) {
+        const std::string view = view_text(argument);
+        names.push_back(view.substr(0, view.find('@')));
+        tell_from({names.begin(), names.end() - 1}, &names.back());
+        views.push_back({names.back(), view});
+    }
+    return views;
 }
 
 Plan parse(const std::vector<std::string>& words) {
@@ -794,9 +829,10 @@ void run(const Options& options) {
     const std::vector<Setting> settings = plan.budget  ? budget_settings()
                                           : plan.quick ? few_settings()
                                                        : all_settings(plan.random_count, plan.seed);
+    const std::vector<NamedView> scenes = name_views(plan.scenes);
     std::vector<Row> rows = read_rows("build/trade/rows.csv");
-    std::vector<std::string> scenes;
-    for (const std::string& scene : plan.scenes) { sweep(scene, plan, settings, &rows, &scenes); }
+    write_rows("rows.csv", rows); // without a line that was cut off, which the next would go on
+    for (size_t i = 0; i < scenes.size(); ++i) { sweep(plan.scenes[i], scenes[i], plan, settings, &rows); }
     std::vector<Row> ordered = in_order(rows, scenes, plan, settings);
     if (plan.budget) {
         write_budget(ordered, settings);

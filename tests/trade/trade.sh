@@ -15,18 +15,18 @@ check "the quick sweep" sweep
 
 finite() { # no cell is empty but the parameter of a preset, and every measure is a number
     awk -F, 'NR == 1 { n = NF; next }
-             { ++rows; if (NF != n) exit 1; for (i = 7; i <= NF; ++i) if ($i !~ /^-?[0-9.]+(e[-+][0-9]+)?$/) exit 1 }
+             { ++rows; if (NF != n) exit 1; for (i = 8; i <= NF; ++i) if ($i !~ /^-?[0-9.]+(e[-+][0-9]+)?$/) exit 1 }
              END { exit rows < 24 }' build/trade/trade.csv
 }
 check "24 rows and more, all finite" finite
 
-front() { awk -F, '$NF == 1 { seen[$3] = 1 } END { exit !(seen["ao"] && seen["irradiance"] && seen["reflection"]) }' build/trade/trade.csv; }
+front() { awk -F, '$NF == 1 { seen[$4] = 1 } END { exit !(seen["ao"] && seen["irradiance"] && seen["reflection"]) }' build/trade/trade.csv; }
 check "every effect has a front" front
 
 # measure EFFECT VARIED COLUMN: of the quick sweep's only scene
 measure() {
     awk -F, -v effect="$1" -v varied="$2" -v name="$3" 'NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i }
-        $3 == effect && $5 == varied { print $(column[name]) }' build/trade/trade.csv
+        $4 == effect && $6 == varied { print $(column[name]) }' build/trade/trade.csv
 }
 less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a + 0 < b + 0) }'; }
 second_layer() { less "$(measure ao '' rmse)" "$(measure ao layers=1 rmse)"; }
