@@ -192,6 +192,8 @@ void add_around(std::vector<Setting>* settings, const Setting& base) {
 const std::vector<Choice> kOverFrames[] = {{},
                                            {{"weight", 0.95}},
                                            {{"layers", 1}},
+                                           {{"filter_taps", 1}},
+                                           {{"filter_taps", 5}},
                                            {{"estimator", DGB_ESTIMATOR_BITMASK}},
                                            {{"estimator", DGB_ESTIMATOR_BITMASK}, {"weight", 0.95}}};
 
