@@ -158,14 +158,15 @@ Setting vary(Setting setting, const std::vector<Choice>& choices) {
     return setting;
 }
 
-// One value of every parameter. All are drawn, so that what matters little does not change what comes after.
+// One value of every parameter but the radius, which is what is asked for, not how it is answered. All are drawn, so that what
+// matters little does not change what comes after.
 Setting random_setting(Effect effect, std::mt19937* random) {
     Setting setting = preset_setting(effect, DGB_PRESET_BALANCED);
     setting.around = "random";
     setting.varied = "all";
     for (const Parameter& p : parameters()) {
         const double value = p.values[(*random)() % p.values.size()];
-        p.set(&setting, value);
+        if (std::string(p.name) != "radius") { p.set(&setting, value); }
     }
     return setting;
 }
