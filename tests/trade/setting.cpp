@@ -112,6 +112,23 @@ Setting changed(Setting setting, const Change& change) {
     return setting;
 }
 
+// What others have in place of the library's occlusion: as BALANCED, and with what they could be given at another cost.
+void add_baselines(std::vector<Setting>* settings, const std::vector<Change>& changes) {
+    for (const Baseline baseline : {Baseline::sao, Baseline::gtao}) {
+        Setting own = preset_setting(Effect::occlusion, DGB_PRESET_BALANCED);
+        own.baseline = baseline;
+        own.varied = std::string("baseline=") + name_of(baseline);
+        set_layers(&own, 1);
+        add_unless_there(settings, own);
+        own.around = name_of(baseline);
+        for (const Change& change : changes) {
+            const std::string name = change.name;
+            const bool theirs = name == "taps" || name == "filter_taps" || name == "radius";
+            if (theirs) { add_unless_there(settings, changed(own, change)); }
+        }
+    }
+}
+
 // One value of every parameter that concerns the effect.
 Setting random_setting(Effect effect, const std::vector<Change>& changes, std::mt19937* random) {
     Setting setting = preset_setting(effect, DGB_PRESET_BALANCED);
@@ -143,7 +160,8 @@ std::string key_of(const Setting& s) {
     const std::string layers = text("k%d d%g o%d v%d", s.layers, second ? double(q.separation) : 0.0,
                                     second ? int(s.oracle) : 0, second ? s.divisor : 1);
     const std::string filter = text(" f%d s%d", q.filter_taps, q.filter_taps > 1 ? q.filter_step : 1) +
-                               (s.estimator == DGB_ESTIMATOR_BITMASK ? " bitmask" : "");
+                               (s.estimator == DGB_ESTIMATOR_BITMASK ? " bitmask" : "") +
+                               (s.baseline != Baseline::none ? std::string(" ") + name_of(s.baseline) : "");
     if (s.effect == Effect::occlusion) {
         return layers + text(" n%d r%g m%d", q.ao_samples, double(q.ao_radius), q.ao_min_level) + filter;
     }
@@ -191,6 +209,7 @@ std::vector<Setting> all_settings(int random_count, uint32_t seed) {
             if (change.concerns(effect)) { add_unless_there(&settings, std::move(setting)); }
         }
     }
+    add_baselines(&settings, changes);
     std::mt19937 random(seed);
     for (int i = 0; i < random_count; ++i) {
         const Effect effect = kEffects[size_t(i) % std::size(kEffects)];

@@ -1,6 +1,8 @@
 // What the trade of speed for accuracy varies: one effect with all that it depends on.
 #pragma once
 
+#include "baselines.hpp"
+
 #include "deepgbuffer.h"
 
 #include <string>
@@ -21,6 +23,7 @@ struct Setting {
     dgb_senders senders = DGB_SENDERS_BOTH;
     dgb_normaliser normaliser = DGB_NORMALISER_BOUNDED;
     dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
+    Baseline baseline = Baseline::none;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
     float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
     dgb_params params{};   // lengths are shares of the scene's: see scaled()

@@ -97,7 +97,7 @@ private:
 std::unique_ptr<SceneRenderer> make_renderer(const GpuScene& scene, const SceneLights& lights, const Plan& plan,
                                              const Setting& setting, uint32_t effects, PassTimes* times) {
     RendererDesc desc;
-    desc.get_proc = headless_get_proc;
+    desc.get_proc = get_proc_of(setting.baseline);
     desc.layers.width = plan.width;
     desc.layers.height = plan.height;
     desc.layers.layers = setting.layers;
@@ -330,7 +330,8 @@ class Contender {
 public:
     Contender(Stage* stage, const Plan& plan, const Setting& setting)
         : stage_(stage), setting_(setting), params_(scaled(setting.params, stage->size())),
-          built_(&stage->built(setting)), library_(describe(plan, setting)) {}
+          built_(&stage->built(setting)),
+          library_(describe(plan, setting), nullptr, false, get_proc_of(setting.baseline)) {}
 
     double build_ms() const { return built_->build_ms; }
     double bytes() const { return double(library_.context()->plan.bytes); }
