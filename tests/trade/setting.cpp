@@ -78,12 +78,14 @@ bool has_filter(const Setting& s) { return gathers(s) && s.params.filter_taps > 
 bool is_averaged(const Setting& s) { return gathers(s) && s.condition.frames > 1; }
 bool is_bitmask(const Setting& s) { return gathers(s) && s.desc.estimator == DGB_ESTIMATOR_BITMASK; }
 bool is_papers_light(const Setting& s) { return is_light(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
+bool has_papers_occlusion(const Setting& s) { return is_occlusion(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
 bool has_papers_senders(const Setting& s) { return is_papers_light(s) && has_second(s); }
 
 const char* oracle_word(int v) { return dgb_oracle_name(dgb_oracle(v)); }
 const char* senders_word(int v) { return v == DGB_SENDERS_BOTH ? "both" : "strongest"; }
 const char* normaliser_word(int v) { return v == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; }
 const char* estimator_word(int v) { return v == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; }
+const char* baseline_word(int v) { return name_of(Baseline(v)); }
 const char* tracer_word(int v) { return v == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; }
 
 // The bitmask's confidence is the share of the hemisphere itself.
@@ -117,6 +119,8 @@ std::vector<Parameter> make_parameters() {
                   normaliser_word),
         parameter("estimator", "b", {DGB_ESTIMATOR_PAPER, DGB_ESTIMATOR_BITMASK}, &D::estimator, gathers,
                   estimator_word),
+        // of one layer: named by the lists below, not drawn
+        parameter("baseline", "a", {double(Baseline::none)}, &Setting::baseline, has_papers_occlusion, baseline_word),
         parameter("slices", "i", {1, 2, 4}, &Q::slices, is_bitmask),
         parameter("thickness", "h", {0.1, 0.25, 0.5, 1.0, 2.0}, &Q::thickness, is_bitmask),
         parameter("coverage", "c", {1, 1.5, 2, 3, 4}, &Setting::coverage, is_light),
@@ -195,6 +199,9 @@ const std::vector<Choice> kOverFrames[] = {{},
                                            {{"layers", 1}},
                                            {{"filter_taps", 1}},
                                            {{"filter_taps", 5}},
+                                           {{"layers", 1}, {"baseline", double(Baseline::sao)}},
+                                           {{"layers", 1}, {"baseline", double(Baseline::gtao)}},
+                                           {{"layers", 1}, {"estimator", DGB_ESTIMATOR_BITMASK}},
                                            {{"estimator", DGB_ESTIMATOR_BITMASK}},
                                            {{"estimator", DGB_ESTIMATOR_BITMASK}, {"weight", 0.95}}};
 
@@ -269,6 +276,13 @@ std::vector<Setting> all_settings(int random_count, uint32_t seed) {
         one.around = "one layer";
         add_around(&settings, one);
     }
+    for (const Baseline baseline : {Baseline::sao, Baseline::gtao}) { // with what they could be given at another cost
+        Setting one = preset_setting(Effect::occlusion, DGB_PRESET_BALANCED);
+        one.desc.layers = 1;
+        one.baseline = baseline;
+        one.around = name_of(baseline);
+        add_around(&settings, one);
+    }
     for (const Effect effect : {Effect::occlusion, Effect::light}) {
         add_over_frames(&settings, effect);
         add_without_history(&settings, effect);
@@ -299,6 +313,9 @@ std::vector<Setting> few_settings() {
         const Setting base = preset_setting(effect, DGB_PRESET_BALANCED);
         add_unless_there(&settings, base);
         for (const Choice& choice : telling) { add_unless_there(&settings, vary(base, {choice})); }
+        for (const Baseline baseline : {Baseline::sao, Baseline::gtao}) {
+            add_unless_there(&settings, vary(base, {{"layers", 1}, {"baseline", double(baseline)}}));
+        }
     }
     for (const Condition condition : {Condition{4, false}, Condition{4, true}}) {
         const Setting base = preset_setting(Effect::occlusion, DGB_PRESET_BALANCED, condition);

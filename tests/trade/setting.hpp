@@ -1,6 +1,8 @@
 // What the trade of speed for accuracy varies: one effect with all that it depends on.
 #pragma once
 
+#include "baselines.hpp"
+
 #include "deepgbuffer.h"
 
 #include <string>
@@ -22,9 +24,10 @@ struct Condition {
 struct Setting {
     Effect effect = Effect::occlusion;
     Condition condition;
-    std::string around;    // the preset that it is a variation of, or "random"
-    std::string varied;    // what is not as in the preset: "layers=1"; "" for the preset itself
-    dgb_desc desc{};       // what a context is made with, but for its size and effects
+    std::string around;                 // the preset that it is a variation of, or "random"
+    std::string varied;                 // what is not as in the preset: "layers=1"; "" for the preset itself
+    dgb_desc desc{};                    // what a context is made with, but for its size and effects
+    Baseline baseline = Baseline::none; // in place of the library's occlusion
     float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
     dgb_params params{};   // lengths are shares of the scene's: see scaled()
 

@@ -57,7 +57,7 @@ SceneFrame Stage::at(const Condition& condition, int frame) const {
 
 std::unique_ptr<SceneRenderer> Stage::make_renderer(const Setting& setting, uint32_t effects) const {
     RendererDesc desc;
-    desc.get_proc = headless_get_proc;
+    desc.get_proc = get_proc_of(setting.baseline);
     desc.layers = setting.desc;
     desc.layers.width = reference_view_.width;
     desc.layers.height = reference_view_.height;

@@ -227,7 +227,8 @@ class Contender {
 public:
     Contender(Stage* stage, const Setting& setting)
         : stage_(stage), setting_(setting), params_(scaled(setting.params, stage->size())),
-          built_(&stage->built(setting)), library_(describe(stage->view(), setting)) {}
+          built_(&stage->built(setting)),
+          library_(describe(stage->view(), setting), nullptr, false, get_proc_of(setting.baseline)) {}
 
     const Setting& setting() const { return setting_; }
     const dgb_params& params() const { return params_; }

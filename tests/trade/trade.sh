@@ -51,6 +51,8 @@ oracles() { less "$(measure irradiance oracle=peel rmse 16)" "$(measure irradian
 check "exact layers, less error under way" oracles
 delayed() { same "$(measure irradiance oracle=delay rmse 16)" "$(measure irradiance oracle=peel rmse 16)"; }
 check "a frame late, but exact" delayed
+horizons() { less "$(measure ao 'layers=1 baseline=gtao' rmse_cosine)" "$(measure ao 'layers=1 baseline=sao' rmse_cosine)"; }
+check "horizons are nearer to cosine-weighted visibility than obscurance is" horizons
 bytes() { less "$(measure ao layers=1 bytes)" "$(measure ao '' bytes)"; }
 check "one layer takes fewer bytes" bytes
 
