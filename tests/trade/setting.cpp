@@ -119,7 +119,7 @@ std::vector<Parameter> make_parameters() {
                   normaliser_word),
         parameter("estimator", "b", {DGB_ESTIMATOR_PAPER, DGB_ESTIMATOR_BITMASK}, &D::estimator, gathers,
                   estimator_word),
-        // of one layer: named by the lists below, not drawn
+        // of one layer: for the lists below
         parameter("baseline", "a", {double(Baseline::none)}, &Setting::baseline, has_papers_occlusion, baseline_word),
         parameter("slices", "i", {1, 2, 4}, &Q::slices, is_bitmask),
         parameter("thickness", "h", {0.1, 0.25, 0.5, 1.0, 2.0}, &Q::thickness, is_bitmask),
@@ -169,6 +169,7 @@ Setting random_setting(Effect effect, std::mt19937* random) {
     setting.around = "random";
     setting.varied = "all";
     for (const Parameter& p : parameters()) {
+        if (p.values.size() == 1) { continue; } // for the lists below
         const double value = p.values[(*random)() % p.values.size()];
         if (std::string(p.name) != "radius") { p.set(&setting, value); }
     }
