@@ -142,8 +142,11 @@ std::string key_of(const Setting& s) {
     const bool second = s.layers > 1; // what only the second layer depends on
     const std::string layers = text("k%d d%g o%d v%d", s.layers, second ? double(q.separation) : 0.0,
                                     second ? int(s.oracle) : 0, second ? s.divisor : 1);
-    const std::string filter = text(" f%d s%d", q.filter_taps, q.filter_taps > 1 ? q.filter_step : 1) +
-                               (s.estimator == DGB_ESTIMATOR_BITMASK ? " bitmask" : "");
+    const std::string ends =
+        text(" w%g e%d", double(s.effect == Effect::mirror ? q.reflect_thickness : q.thickness), int(s.thickness));
+    const std::string filter =
+        text(" f%d s%d", q.filter_taps, q.filter_taps > 1 ? q.filter_step : 1) +
+        (s.estimator == DGB_ESTIMATOR_BITMASK ? " bitmask l" + std::to_string(q.slices) + ends : "");
     if (s.effect == Effect::occlusion) {
         return layers + text(" n%d r%g m%d", q.ao_samples, double(q.ao_radius), q.ao_min_level) + filter;
     }
@@ -153,7 +156,7 @@ std::string key_of(const Setting& s) {
                     second ? int(s.senders) : 0, int(s.normaliser), double(s.coverage)) +
                filter;
     }
-    return layers + text(" p%d h%g c%d", q.reflect_stride, double(q.reflect_thickness), int(s.tracer));
+    return layers + text(" p%d c%d", q.reflect_stride, int(s.tracer)) + ends;
 }
 
 Setting preset_setting(Effect effect, dgb_preset_id preset) {
@@ -247,6 +250,29 @@ std::vector<Setting> budget_settings() {
         Setting setting = preset_setting(Effect::mirror, DGB_PRESET_BALANCED);
         setting.params.reflect_stride = stride;
         add(setting);
+    }
+    return settings;
+}
+
+std::vector<Setting> thickness_settings() {
+    constexpr const char* kNames[] = {"layers", "constant", "back faces"};
+    std::vector<Setting> settings;
+    for (const Effect effect : kEffects) {
+        add_unless_there(&settings, preset_setting(effect, DGB_PRESET_BALANCED));
+        for (int choice = 0; choice < DGB_THICKNESS_COUNT; ++choice) {
+            for (const double most : {0.1, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+                Setting setting = preset_setting(effect, DGB_PRESET_BALANCED);
+                setting.around = "thickness";
+                setting.varied = text("%s at most %g", kNames[choice], most);
+                setting.thickness = dgb_thickness(choice);
+                setting.params.thickness = setting.params.reflect_thickness = float(most);
+                setting.params.slices = 4;
+                setting.params.reflect_stride = 1;
+                set_taps(&setting, 64);
+                set_estimator(&setting, DGB_ESTIMATOR_BITMASK);
+                add_unless_there(&settings, std::move(setting));
+            }
+        }
     }
     return settings;
 }

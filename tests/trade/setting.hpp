@@ -22,6 +22,7 @@ struct Setting {
     dgb_normaliser normaliser = DGB_NORMALISER_BOUNDED;
     dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
+    dgb_thickness thickness = DGB_THICKNESS_LAYERS;
     float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
     dgb_params params{};   // lengths are shares of the scene's: see scaled()
 };
@@ -39,6 +40,10 @@ std::vector<Setting> few_settings();
 
 // Every combination of what dgb_preset_for chooses: taps, MIP level, filter, normal test; step and tracer of mirrors.
 std::vector<Setting> budget_settings();
+
+// What ends a surface, for every length that would end it at the latest: of the bitmask, with taps and slices that leave little
+// noise, and of mirrors with a step a pixel.
+std::vector<Setting> thickness_settings();
 
 // The separation and the radii of the presets suit rooms: scenes smaller than that get smaller ones. size: metres.
 dgb_params scaled(dgb_params params, float size);

@@ -1,10 +1,11 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--questions | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
+//     trade [--quick] [--questions | --thickness | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //
 // --budget: in place of the sweep, the settings of which dgb_preset_for picks; writes tests/trade/budget.csv and the table in
 // deepgbuffer.h; --check-budget says whether the two agree.
+// --thickness: in place of the sweep, what ends a surface (dgb_thickness), and at what length at the latest.
 // --questions: in place of the sweep, what a sweep cannot answer (questions.hpp); writes build/trade/questions.csv.
 //
 // Truth, by rays (tests/reference), for the fourth frame of a camera that walks and turns:
@@ -50,7 +51,7 @@ struct Plan {
     int width = 320, height = 180;
     int random_count = 200;
     uint32_t seed = 1;
-    bool questions = false, budget = false, check_budget = false;
+    bool questions = false, thickness = false, budget = false, check_budget = false;
     int samples = 1024, turns = 5; // rays a pixel of the truth; timed frames
     std::vector<std::string> scenes;
     float aspect() const { return float(width) / float(height); }
@@ -108,6 +109,7 @@ std::unique_ptr<SceneRenderer> make_renderer(const GpuScene& scene, const SceneL
     desc.layers.normaliser = setting.normaliser;
     desc.layers.estimator = setting.estimator;
     desc.layers.tracer = setting.tracer;
+    desc.layers.thickness = setting.thickness;
     desc.scene = &scene;
     desc.lights = &lights;
     desc.times = times;
@@ -141,7 +143,8 @@ SceneFrame Stage::at(int frame) const {
 
 Built Stage::build(const Setting& setting) const {
     PassTimes times(false);
-    const auto renderer = make_renderer(gpu_, lights_, plan_, setting, 0, &times);
+    const uint32_t effects = setting.thickness == DGB_THICKNESS_BACK_FACES ? DGB_EFFECT_REFLECT : 0; // which reads them
+    const auto renderer = make_renderer(gpu_, lights_, plan_, setting, effects, &times);
     const dgb_params params = scaled(setting.params, size());
     Built built;
     std::vector<double> milliseconds;
@@ -169,11 +172,13 @@ std::unique_ptr<SceneRenderer> Stage::shaded(const Setting& setting, PassTimes* 
 }
 
 const Built& Stage::built(const Setting& setting) {
+    const bool back = setting.thickness == DGB_THICKNESS_BACK_FACES;
     char key[64] = "one";
     if (setting.layers > 1) {
         std::snprintf(key, sizeof key, "%g %d %d", double(setting.params.separation), int(setting.oracle),
                       setting.divisor);
     }
+    if (back) { std::strcat(key, " back"); }
     const auto found = built_.find(key);
     return found != built_.end() ? found->second : built_.emplace(key, build(setting)).first->second;
 }
@@ -361,6 +366,7 @@ private:
         desc.normaliser = setting.normaliser;
         desc.estimator = setting.estimator;
         desc.tracer = setting.tracer;
+        desc.thickness = setting.thickness;
         return desc;
     }
 
@@ -717,6 +723,8 @@ Plan parse(const std::vector<std::string>& words) {
         } else if (words[i] == "--budget" || words[i] == "--check-budget") {
             plan.budget = words[i] == "--budget";
             plan.check_budget = !plan.budget;
+        } else if (words[i] == "--thickness") {
+            plan.thickness = true;
         } else if (words[i] == "--questions") {
             plan.questions = true;
         } else if (words[i] == "--size") {
@@ -791,9 +799,10 @@ void run(const Options& options) {
         check_budget();
         return;
     }
-    const std::vector<Setting> settings = plan.budget  ? budget_settings()
-                                          : plan.quick ? few_settings()
-                                                       : all_settings(plan.random_count, plan.seed);
+    const std::vector<Setting> settings = plan.budget      ? budget_settings()
+                                          : plan.thickness ? thickness_settings()
+                                          : plan.quick     ? few_settings()
+                                                           : all_settings(plan.random_count, plan.seed);
     std::vector<Row> rows = read_rows("build/trade/rows.csv");
     std::vector<std::string> scenes;
     for (const std::string& scene : plan.scenes) { sweep(scene, plan, settings, &rows, &scenes); }
