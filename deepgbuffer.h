@@ -64,6 +64,7 @@
        depth -> [warp]        WARP: last frame's depth from this frame's camera
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
              -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
+             -> [back]        BACK_FACES: depth of the nearest back faces behind the first layer
              -> [predict]     PREDICT and DELAY: depth of the next pose
              -> [pack]        camera z and normals of two layers, radiance of each, with BOUNCES plus what last frame's
                               irradiance makes of it: 160 bits a pixel
@@ -121,14 +122,14 @@
        samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
        min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
        results.
-       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of the
-       cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what is
-       behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is the
-       probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say. The
-       taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for TEMPORAL, more
-       share out the noise. thickness is how far behind its surface an object is taken to hide: the second layer ends it where
-       that is nearer. With normal_test a sender stands for the whole step around it, along its plane; without, light leaks past
-       surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
+       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of
+       the cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what
+       is behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is
+       the probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say.
+       The taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for
+       TEMPORAL, more share out the noise. thickness is how far behind its surface an object is taken to hide at most
+       (desc.thickness). With normal_test a sender stands for the whole step around it, along its plane; without, light leaks
+       past surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
        DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
@@ -152,6 +153,12 @@
        and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
        less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
        stands still lags behind. Roughness 0 is the mirror, exactly.
+       desc.thickness: what ends a surface of the first layer sooner than thickness (BITMASK) and reflect_thickness, which are
+       all there is to know of the second layer's. LAYERS: the second layer. BACK_FACES: that, and the nearest back face behind the
+       first, but for a quarter of the most: thin things let rays pass behind them, and the most can be several times longer (1 m in
+       rooms). Takes one more draw of the scene, of depth alone, whatever the emission (dgb_draw.back_faces: cull front faces; draw
+       both sides of what has two; alpha test as ever), a depth texture and 8 bytes a pixel more of DGB_Z. Measures closed
+       objects; behind open ones lies the back of another or none, and the most stands in. CONSTANT: nothing, to compare with.
        desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
        that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
        longer the rays and the shorter the steps, the more it saves.
@@ -171,9 +178,10 @@
        are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
-       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once), viewport,
-       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; WARP and RESOLVE write depth from a
-       full-screen triangle; the others have no depth. caps.emission says what the backend can do; SEPARATE is enough.
+       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once),
+       viewport, clearing, depth direction. Layered passes (LAYERS, BACK, PREDICT) draw with the depth test on; WARP and
+       RESOLVE write depth from a full-screen triangle; the others have no depth. caps.emission says what the backend
+       can do; SEPARATE is enough.
        tests/support/record_backend.c is a backend without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
@@ -454,7 +462,7 @@ typedef enum dgb_format {
     X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                                \
     X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                   \
     X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                     \
-    X(DGB_BACK, "back") /* depth of the nearest back faces behind the first layer: a 2D texture (BACK_FACES) */          \
+    X(DGB_BACK, "back")           /* depth of the nearest back faces behind the first layer, a 2D texture */             \
     /* the engine's own layers: 2D textures */                                                                           \
     X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                                \
     X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                                \
@@ -469,8 +477,7 @@ typedef enum dgb_format {
     X(DGB_ENGINE_BACK, "engine_back")                                                                                    \
     X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                          \
     /* packed shading input, with MIP levels */                                                                          \
-    X(DGB_Z,                                                                                                             \
-      "z") /* camera z of both layers; BACK_FACES: b, of the back face behind the first; DGB_EMPTY_Z where empty */      \
+    X(DGB_Z, "z")             /* camera z of both layers, b: of back faces (BACK_FACES); DGB_EMPTY_Z where empty */      \
     X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
     X(DGB_B0, "b0")           /* radiance of layer 0 */                                                                  \
     X(DGB_B1, "b1")           /* radiance of layer 1 */                                                                  \
@@ -691,7 +698,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int min_level;    /* minimum MIP level, 0..5 */
 
     int slices;      /* BITMASK: planes through the line of sight that share the taps, half to each side; 1..8 */
-    float thickness; /* BITMASK: how far behind a surface its object hides, unless the second layer is nearer, m */
+    float thickness; /* BITMASK: how far behind a surface its object hides at most (desc.thickness), m */
 
     float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
     float
@@ -711,7 +718,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float plane_sharpness;  /* 0 ignores depth */
 
     float reflect_distance;  /* longest reflected ray, m */
-    float reflect_thickness; /* how far behind its surface an object still stops a ray, m */
+    float reflect_thickness; /* how far behind its surface an object still stops a ray at most (desc.thickness), m */
     int reflect_steps;       /* most steps of a ray, 1..4096 */
     int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
     float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
@@ -787,7 +794,7 @@ typedef struct dgb_pass {
     int x, y;                      /* viewport, pixels of the target */
     float width, height;           /* whole, but for deeper layers of a lower resolution */
     float deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
-    dgb_emission emission;         /* LAYERS, PREDICT */
+    dgb_emission emission;         /* LAYERS, BACK, PREDICT */
     dgb_texture key;               /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
     int key_layers;
     bool clear; /* colours to 0, depth to clear_depth */

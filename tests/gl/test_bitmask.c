@@ -16,6 +16,7 @@
 
 static fixture f;
 static dgb_thickness thickness_from; /* of every context */
+static double back_behind;           /* the panes of bodies, m: where their back faces are */
 
 /* >> scenes: panes that are traced into the layers, the eye at the origin, looking down -Z */
 
@@ -245,17 +246,16 @@ static void test_planes_are_open(void** state) {
 
 /* >> visibility beside bodies of known shape */
 
-/* The backs of bodies, where their panes are seen; the first that is met is the nearest. */
 static void put_backs(scene* s, const body* bodies, int count) {
     static const double eye[3] = {0.0, 0.0, 0.0};
     int x, y, i;
     for (y = 0; y < s->m.height; ++y)
         for (x = 0; x < s->m.width; ++x)
-            for (i = count - 1; i >= 0; --i) {
+            for (i = 0; i < count; ++i) {
                 double way[3], t;
                 ray_of(s, x, y, way);
                 t = meet(bodies[i].front, eye, way);
-                if (t > 0.0) s->m.back[y * s->m.width + x] = images_depth(t + bodies[i].thickness);
+                if (t > 0.0) s->m.back[y * s->m.width + x] = images_depth(t + back_behind);
             }
 }
 
@@ -311,25 +311,27 @@ static void test_bodies(void** state) {
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
-/* A slab that is taken to be 2 m thick at most is that without anything to end it, goes as far as the wall where that is the
-   second layer, and is as thick as it is where its back is drawn, thin or thick, whatever the second layer. */
+/* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its back is drawn,
+   but for a quarter of the most, and goes as far as the second layer at the latest, which is the wall. */
 static void test_thickness(void** state) {
     static const pane front = {{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0};
     static const struct {
         const char* name;
         dgb_thickness from;
         int layers;
-        double thickness;
-    } cases[] = {{"constant", DGB_THICKNESS_CONSTANT, 2, 2.0},
-                 {"to the second layer", DGB_THICKNESS_LAYERS, 2, 0.6},
-                 {"back faces of 0.15 m", DGB_THICKNESS_BACK_FACES, 2, 0.15},
-                 {"back faces of 0.4 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.4}};
+        double back, most, thickness; /* the last is what comes of it */
+    } cases[] = {{"constant", DGB_THICKNESS_CONSTANT, 2, 0.2, 0.6, 0.6},
+                 {"to the second layer", DGB_THICKNESS_LAYERS, 2, 0.2, 2.0, 0.6},
+                 {"back faces of 0.2 m", DGB_THICKNESS_BACK_FACES, 2, 0.2, 0.6, 0.2},
+                 {"back faces of 0.4 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.4, 1.0, 0.4},
+                 {"back faces of 0.01 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.01, 0.8, 0.2}};
     size_t i;
     (void)state;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const body slab = {&front, cases[i].thickness};
         thickness_from = cases[i].from;
-        check_bodies(cases[i].name, cases[i].layers, &slab, 1, 2.0f, 0.03, 0.01);
+        back_behind = cases[i].back;
+        check_bodies(cases[i].name, cases[i].layers, &slab, 1, (float)cases[i].most, 0.03, 0.01);
     }
     thickness_from = DGB_THICKNESS_LAYERS;
 }
