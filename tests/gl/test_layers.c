@@ -476,6 +476,8 @@ static void test_back_faces(void** state) {
     s = default_setup(DGB_ORACLE_PEEL, DGB_EMISSION_AUTO);
     s.layers = 1;
     check_back_faces(s, 1, 0, 0.0f);
+    s.view.eye[2] = -18.0f, s.view.yaw = 3.14159265f; /* from behind the wall, whose back is the first layer */
+    check_back_faces(s, 1, 0, 0.0f);
     s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
     s.divisor = 2;
     check_back_faces(s, 2, 0, 0.0f);
@@ -492,6 +494,50 @@ static void test_back_faces(void** state) {
     s = default_setup(DGB_ORACLE_PREDICT, DGB_EMISSION_VERTEX);
     s.moving = true;
     check_back_faces(s, 3, 0, 0.0f);
+}
+
+/* What the shading reads of them: at every pixel the texel that it lies in, unless that is not behind the pixel's own surface. */
+static void check_packed_back(int divisor) {
+    setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_draw_user user = {0};
+    dgb_context c;
+    dgb_desc d;
+    dgb_view view = view_at(&s, 0);
+    built b;
+    float* z;
+    int x, y, kept = 0, wrong = 0;
+    s.back = true;
+    s.divisor = divisor;
+    d = desc_of(&s);
+    user.f = &f;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    user.program = fixture_program(&c);
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    assert_int_equal(dgb_shade(&c, &q), DGB_OK);
+    b = read_layers(&c);
+    z = fixture_read(dgb_get_texture(&c, DGB_Z), 0, 0, b.width, b.height, 0, GL_RGBA, 4);
+    for (y = 0; y < b.height; ++y)
+        for (x = 0; x < b.width; ++x) {
+            const int i = y * b.width + x;
+            const float back = b.back[y / divisor * b.width + x / divisor];
+            const bool keep = dgb_keep_test(back, b.z[0][i], 0.0f);
+            const float expected = keep ? back : DGB_EMPTY_Z;
+            kept += keep;
+            wrong += fabsf(z[4 * i + 2] - expected) > 1e-6f * fabsf(expected); /* z by the shader's arithmetic */
+        }
+    assert_true(kept > WIDTH * HEIGHT / 10);
+    assert_int_equal(wrong, 0);
+    free(z);
+    free_layers(&b);
+    glDeleteProgram(user.program);
+    dgb_shutdown(&c);
+}
+
+static void test_packed_back(void** state) {
+    (void)state;
+    check_packed_back(1);
+    check_packed_back(2);
 }
 
 /* With motion an oracle errs, but REPROJECT less than PREVIOUS; layer 0 is never touched. */
@@ -648,6 +694,7 @@ int main(void) {
         cmocka_unit_test(test_conventions),
         cmocka_unit_test(test_k_layers),
         cmocka_unit_test(test_back_faces),
+        cmocka_unit_test(test_packed_back),
         cmocka_unit_test(test_motion),
         cmocka_unit_test(test_warp_moving_camera),
         cmocka_unit_test(test_submissions),
