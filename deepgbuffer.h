@@ -64,6 +64,7 @@
        depth -> [warp]        WARP: last frame's depth from this frame's camera
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
              -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
+             -> [back]        BACK_FACES: depth of the nearest back faces behind the first layer
              -> [predict]     PREDICT and DELAY: depth of the next pose
              -> [pack]        camera z and normals of two layers, radiance of each, with BOUNCES plus what last frame's
                               irradiance makes of it: 160 bits a pixel
@@ -121,14 +122,14 @@
        samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
        min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
        results.
-       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of the
-       cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what is
-       behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is the
-       probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say. The
-       taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for TEMPORAL, more
-       share out the noise. thickness is how far behind its surface an object is taken to hide: the second layer ends it where
-       that is nearer. With normal_test a sender stands for the whole step around it, along its plane; without, light leaks past
-       surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
+       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of
+       the cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what
+       is behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is
+       the probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say.
+       The taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for
+       TEMPORAL, more share out the noise. thickness is how far behind its surface an object is taken to hide at most
+       (desc.thickness). With normal_test a sender stands for the whole step around it, along its plane; without, light leaks
+       past surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
        DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
@@ -152,6 +153,12 @@
        and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
        less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
        stands still lags behind. Roughness 0 is the mirror, exactly.
+       desc.thickness: what ends a surface of the first layer sooner than thickness (BITMASK) and reflect_thickness, which are
+       all there is to know of the second layer's. LAYERS: the second layer. BACK_FACES: that, and the nearest back face behind the
+       first, but for a quarter of the most: thin things let rays pass behind them, and the most can be several times longer (1 m in
+       rooms). Takes one more draw of the scene, of depth alone, whatever the emission (dgb_draw.back_faces: cull front faces; draw
+       both sides of what has two; alpha test as ever), a depth texture and 8 bytes a pixel more of DGB_Z. Measures closed
+       objects; behind open ones lies the back of another or none, and the most stands in. CONSTANT: nothing, to compare with.
        desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
        that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
        longer the rays and the shorter the steps, the more it saves.
@@ -171,9 +178,10 @@
        are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
-       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once), viewport,
-       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; WARP and RESOLVE write depth from a
-       full-screen triangle; the others have no depth. caps.emission says what the backend can do; SEPARATE is enough.
+       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once),
+       viewport, clearing, depth direction. Layered passes (LAYERS, BACK, PREDICT) draw with the depth test on; WARP and
+       RESOLVE write depth from a full-screen triangle; the others have no depth. caps.emission says what the backend
+       can do; SEPARATE is enough.
        tests/support/record_backend.c is a backend without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
@@ -410,6 +418,13 @@ typedef enum dgb_estimator {                          /* what AO and RADIOSITY c
                              DGB_ESTIMATOR_COUNT
 } dgb_estimator;
 
+typedef enum dgb_thickness { /* what ends a surface of the first layer sooner than params.thickness and reflect_thickness */
+                             DGB_THICKNESS_LAYERS = 0, /* the second layer */
+                             DGB_THICKNESS_CONSTANT,   /* nothing */
+                             DGB_THICKNESS_BACK_FACES, /* the second layer, and the back face behind it: drawn once more */
+                             DGB_THICKNESS_COUNT
+} dgb_thickness;
+
 typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
                           DGB_TRACER_LINEAR = 0,   /* every step is tested */
                           DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
@@ -447,6 +462,7 @@ typedef enum dgb_format {
     X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                                \
     X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                   \
     X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                     \
+    X(DGB_BACK, "back")           /* depth of the nearest back faces behind the first layer, a 2D texture */             \
     /* the engine's own layers: 2D textures */                                                                           \
     X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                                \
     X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                                \
@@ -458,9 +474,10 @@ typedef enum dgb_format {
     X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                              \
     X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                          \
     X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                          \
+    X(DGB_ENGINE_BACK, "engine_back")                                                                                    \
     X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                          \
     /* packed shading input, with MIP levels */                                                                          \
-    X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */                                     \
+    X(DGB_Z, "z")             /* camera z of both layers, b: of back faces (BACK_FACES); DGB_EMPTY_Z where empty */      \
     X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
     X(DGB_B0, "b0")           /* radiance of layer 0 */                                                                  \
     X(DGB_B1, "b1")           /* radiance of layer 1 */                                                                  \
@@ -510,6 +527,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_WARP = 0, /* oracle WARP: last frame's depth from this frame's camera */
     DGB_PASS_LAYERS,
     DGB_PASS_RESOLVE, /* IMAGE emission: depth bits into the depth layers */
+    DGB_PASS_BACK,    /* BACK_FACES: depth of the nearest back faces behind the first layer */
     DGB_PASS_PREDICT, /* PREDICT, DELAY: depth layers of the next pose */
     DGB_PASS_PACK,
     DGB_PASS_MIP,
@@ -680,7 +698,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int min_level;    /* minimum MIP level, 0..5 */
 
     int slices;      /* BITMASK: planes through the line of sight that share the taps, half to each side; 1..8 */
-    float thickness; /* BITMASK: how far behind a surface its object hides, unless the second layer is nearer, m */
+    float thickness; /* BITMASK: how far behind a surface its object hides at most (desc.thickness), m */
 
     float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
     float
@@ -700,7 +718,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float plane_sharpness;  /* 0 ignores depth */
 
     float reflect_distance;  /* longest reflected ray, m */
-    float reflect_thickness; /* how far behind its surface an object still stops a ray, m */
+    float reflect_thickness; /* how far behind its surface an object still stops a ray at most (desc.thickness), m */
     int reflect_steps;       /* most steps of a ray, 1..4096 */
     int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
     float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
@@ -776,7 +794,7 @@ typedef struct dgb_pass {
     int x, y;                      /* viewport, pixels of the target */
     float width, height;           /* whole, but for deeper layers of a lower resolution */
     float deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
-    dgb_emission emission;         /* LAYERS, PREDICT */
+    dgb_emission emission;         /* LAYERS, BACK, PREDICT */
     dgb_texture key;               /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
     int key_layers;
     bool clear; /* colours to 0, depth to clear_depth */
@@ -927,6 +945,7 @@ typedef struct dgb_desc { /* 0 means default */
     dgb_normaliser normaliser;
     dgb_tracer tracer;
     dgb_estimator estimator;
+    dgb_thickness thickness;
     const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
     dgb_log_fn log;             /* may be null */
     void* log_user;
@@ -981,6 +1000,7 @@ typedef struct dgb_draw {         /* what the engine's draw callback is told */
     int pose;                       /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
                                               or after it (1: PREDICT); `previous` is the pose before that */
     bool depth_only;                /* no colour is kept: a cheaper program will do */
+    bool back_faces;                /* cull front faces instead of back faces; what has two sides, neither */
     int width, height;              /* buffer, guard band included */
     float view[16], projection[16]; /* projection: widened and jittered; draw with it */
     float previous_view[16], previous_projection[16];
@@ -998,6 +1018,8 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
                                                     one: metres of camera z by which the object itself moved. Read for
                                                     more than one bounce and for the temporal filter only */
+    dgb_texture
+        back; /* depth-buffer values of the nearest back faces behind the first layer; read for BACK_FACES only */
     dgb_texture roughness; /* r: perceptual roughness of the first layer, 0 to 1; read for GLOSSY only */
 } dgb_layers;
 
@@ -1771,8 +1793,9 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"warp", "layers", "resolve",  "predict",     "pack",  "mip",     "tiles",
-                                        "ao",   "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
+    static const char* const names[] = {"warp",     "layers",      "resolve", "back",    "predict",
+                                        "pack",     "mip",         "tiles",   "ao",      "gather",
+                                        "temporal", "reconstruct", "range",   "reflect", "glossy"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1858,6 +1881,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
         !dgbi_in_range((int)d->tracer, 0, DGB_TRACER_COUNT - 1) ||
         !dgbi_in_range((int)d->estimator, 0, DGB_ESTIMATOR_COUNT - 1) ||
+        !dgbi_in_range((int)d->thickness, 0, DGB_THICKNESS_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
@@ -1998,6 +2022,33 @@ static void dgbi_plan_predict(const dgb_desc* d, dgb_plan* plan) {
     dgbi_add_output(pass, DGB_PREDICTED);
 }
 
+/* What reads thickness wants to know where the back faces are. */
+static bool dgbi_has_back(const dgb_desc* d) {
+    const uint32_t covered = d->estimator == DGB_ESTIMATOR_BITMASK ? DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY : 0u;
+    return d->thickness == DGB_THICKNESS_BACK_FACES && (d->effects & (covered | DGB_EFFECT_REFLECT));
+}
+
+/* Peeled off the first layer. */
+static void dgbi_plan_back(const dgb_desc* d, dgb_plan* plan) {
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_BACK, 0, -1);
+    dgbi_add_texture(plan, DGB_BACK, d->depth_format, 0, 1);
+    dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+    dgbi_add_output(pass, DGB_BACK);
+}
+
+/* What the keep test of layers behind the first compares with, and what that takes. */
+static void dgbi_plan_oracle(const dgb_desc* d, dgb_plan* plan, dgb_plan_pass* pass) {
+    const bool whole = d->oracle == DGB_ORACLE_PREVIOUS || d->oracle == DGB_ORACLE_REPROJECT; /* last frame's depth */
+    if (d->layers == 1) return; /* nothing to compare with */
+    if (d->oracle == DGB_ORACLE_PEEL) {
+        dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+        return;
+    }
+    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, whole ? d->layers : d->layers - 1, 1);
+    dgbi_add_input(pass, DGB_ORACLE);
+    if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
+}
+
 static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     static const struct {
         uint32_t target;
@@ -2007,7 +2058,6 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
                   {DGB_TARGET_NORMAL, DGB_NORMAL, DGB_FORMAT_RGBA8},
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
-    const bool whole = d->oracle == DGB_ORACLE_PREVIOUS || d->oracle == DGB_ORACLE_REPROJECT; /* last frame's depth */
     dgb_plan_pass* pass;
     size_t i;
     if (d->oracle == DGB_ORACLE_WARP && d->layers > 1) dgbi_plan_warp(plan);
@@ -2018,15 +2068,9 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
             dgbi_add_texture(plan, colors[i].slot, colors[i].format, d->layers, 1);
             dgbi_add_output(pass, colors[i].slot);
         }
-    if (d->layers == 1) return; /* nothing to compare with */
-    if (d->oracle == DGB_ORACLE_PEEL) {
-        dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
-        return;
-    }
-    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, whole ? d->layers : d->layers - 1, 1);
-    dgbi_add_input(pass, DGB_ORACLE);
-    if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
-    if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
+    dgbi_plan_oracle(d, plan, pass);
+    if (dgbi_has_back(d)) dgbi_plan_back(d, plan);
+    if (d->layers > 1 && dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
 }
 
 /* What the shading wants, besides what every desc has. */
@@ -2037,6 +2081,7 @@ typedef struct dgbi_wants {
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
     bool indirect; /* reflections add what this frame's irradiance makes of the surface that is hit */
+    bool back;     /* back faces end the first layer */
 } dgbi_wants;
 
 static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
@@ -2052,6 +2097,7 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     w.radiance = w.light || w.reflect;
     w.indirect = w.reflect && w.light && !w.bounces; /* bounces are part of the packed radiance already */
     w.deep = (w.bounces || w.indirect) && w.layers > 1;
+    w.back = dgbi_has_back(d);
     return w;
 }
 
@@ -2074,6 +2120,7 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_plan_pass* pass) {
     dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
+    if (w->back) dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_BACK : DGB_ENGINE_BACK);
     if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
         dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
     if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
@@ -2087,7 +2134,7 @@ static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_pl
 
 static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_PACK);
-    const dgb_format z = w->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
+    const dgb_format z = w->back ? DGB_FORMAT_RGBA32F : w->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
@@ -2097,6 +2144,7 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
     dgbi_add_define(plan, "DGB_DEEP", w->bounces && w->deep);
+    dgbi_add_define(plan, "DGB_BACK", w->back);
     dgbi_add_texture(plan, DGB_Z, z, 0, w->spiral ? plan->levels : 1);
     if (w->bounces || w->temporal)
         dgbi_add_texture(plan, DGB_LAST_Z, z, 0, w->spiral ? plan->levels : 1); /* takes turns with z */
@@ -2151,6 +2199,7 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     if (d->estimator == DGB_ESTIMATOR_BITMASK) {
         dgbi_add_define(plan, "DGB_NORMAL_TEST", 0);
         dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 0);
+        dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
     }
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_Z);
@@ -2173,7 +2222,9 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
             dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
         dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
         dgbi_add_define(plan, "DGB_DEEP", w->deep);
-        if (d->estimator == DGB_ESTIMATOR_BITMASK) dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+        if (d->estimator != DGB_ESTIMATOR_BITMASK) continue;
+        dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+        dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2290,6 +2341,7 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     dgbi_add_define(plan, "DGB_HIERARCHICAL", d->tracer == DGB_TRACER_HIERARCHICAL);
     dgbi_add_define(plan, "DGB_INDIRECT", w->indirect);
     dgbi_add_define(plan, "DGB_GLOSSY", w->glossy);
+    dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
     dgbi_add_texture(plan, reflection, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_texture(plan, DGB_REFLECTION_HIT, w->glossy ? DGB_FORMAT_RGBA16F : DGB_FORMAT_RG16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
@@ -2530,11 +2582,15 @@ static bool dgbi_writes_level(const dgb_plan_pass* pass) {
     return pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE;
 }
 
+/* Of the passes that draw the scene. */
+static bool dgbi_is_depth_only(const dgb_plan_pass* pass) {
+    return pass->id == DGB_PASS_BACK || pass->id == DGB_PASS_PREDICT;
+}
+
 static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id = plan_pass->id;
-    pass->color_count =
-        plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
+    pass->color_count = dgbi_is_depth_only(plan_pass) ? 0 : plan_pass->output_count;
     for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
         pass->colors[i].level = dgbi_writes_level(plan_pass) ? plan_pass->level : 0;
@@ -2565,9 +2621,10 @@ static float dgbi_depth_codes(dgb_format format) {
     return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
 }
 
-typedef struct dgbi_build {         /* one submission: the layers, or the prediction */
-    const dgb_plan_pass* plan_pass; /* LAYERS or PREDICT */
+typedef struct dgbi_build {         /* one submission: the layers, the back faces, or the prediction */
+    const dgb_plan_pass* plan_pass; /* LAYERS, BACK or PREDICT */
     dgb_slot depth;                 /* depth layers written */
+    dgb_slot front;                 /* depth layers that PEEL compares with */
     int layers;
     dgb_pose pose, previous;
     dgb_camera camera;
@@ -2584,7 +2641,8 @@ static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* 
     draw->oracle = b->oracle;
     draw->emission = b->emission;
     draw->pose = b->pose_offset;
-    draw->depth_only = b->plan_pass->id == DGB_PASS_PREDICT;
+    draw->depth_only = dgbi_is_depth_only(b->plan_pass);
+    draw->back_faces = b->plan_pass->id == DGB_PASS_BACK;
     draw->width = c->plan.width;
     draw->height = c->plan.height;
     memcpy(draw->view, b->pose.view, sizeof draw->view);
@@ -2623,7 +2681,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);
     pass.depth.texture = c->textures[b->depth];
-    pass.depth.layer = layer;
+    pass.depth.layer = draw->back_faces ? 0 : layer; /* they have a texture of their own */
     pass.width = (float)c->plan.width * scale;
     pass.height = (float)c->plan.height * scale;
     pass.deep_width = (float)c->plan.width * deep;
@@ -2640,7 +2698,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
     dgbi_begin_pass(c, b->plan_pass, &pass, layer);
     if (b->plan_pass->input_count)
         c->backend.texture_bind(c->backend.user, DGB_ORACLE,
-                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->depth : DGB_ORACLE], -1);
+                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->front : DGB_ORACLE], -1);
     dgbi_draw_uniforms(c, b, draw, &uniforms);
     c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
     b->draw(b->user, draw);
@@ -2694,6 +2752,22 @@ static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
         c->backend.pass_end(c->backend.user);
     }
     dgbi_marker(c, DGB_PASS_RESOLVE, false);
+}
+
+/* BACK_FACES: a peel of nothing but depth, by no separation, of what faces away. layers: as they were drawn */
+static void dgbi_back(const dgb_context* c, const dgbi_build* layers) {
+    dgbi_build b = *layers;
+    dgb_draw draw;
+    b.plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_BACK);
+    if (!b.plan_pass) return;
+    b.depth = DGB_BACK;
+    b.oracle = DGB_ORACLE_PEEL;
+    b.separation = 0.0f;
+    dgbi_marker(c, DGB_PASS_BACK, true);
+    dgbi_fill_draw(c, &b, &draw);
+    draw.first_layer = draw.layer_count = draw.instances = 1;
+    dgbi_layer_pass(c, &b, &draw);
+    dgbi_marker(c, DGB_PASS_BACK, false);
 }
 
 static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
@@ -2800,7 +2874,7 @@ static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_
 static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, bool fresh, dgbi_build* b) {
     const bool delayed = c->plan.oracle == DGB_ORACLE_DELAY && !fresh;
     b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_LAYERS);
-    b->depth = DGB_DEPTH;
+    b->depth = b->front = DGB_DEPTH;
     b->layers = c->plan.layers;
     b->pose = delayed ? c->pending : *submitted;
     b->previous = fresh ? b->pose : c->drawn;
@@ -2813,7 +2887,7 @@ static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, boo
 static void dgbi_predict_build(const dgb_context* c, const dgb_pose* submitted, const dgb_view* view, bool fresh,
                                dgbi_build* b) {
     b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_PREDICT);
-    b->depth = DGB_PREDICTED;
+    b->depth = b->front = DGB_PREDICTED;
     b->layers = c->plan.layers - 1;
     b->previous = b->pose;
     b->pose = *submitted;
@@ -2877,6 +2951,7 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     dgbi_warp(context, &b);
     dgbi_submit(context, &b);
     dgbi_resolve(context, &b);
+    dgbi_back(context, &b);
     context->camera = b.camera;
     if (predicts) {
         const dgb_pose drawn = b.pose;
@@ -2910,6 +2985,7 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
     textures[DGB_ENGINE_ALBEDO1] = layers->albedo[1];
     textures[DGB_ENGINE_VELOCITY0] = layers->velocity[0];
     textures[DGB_ENGINE_VELOCITY1] = layers->velocity[1];
+    textures[DGB_ENGINE_BACK] = layers->back;
     textures[DGB_ENGINE_ROUGHNESS] = layers->roughness;
     for (i = 0; i < plan->pass_count; ++i)
         for (j = 0; j < plan->passes[i].input_count; ++j)
@@ -3212,6 +3288,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_WARP:
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT:
     case DGB_PASS_MIP: /* copies: nothing to tell */
     case DGB_PASS_RANGE:

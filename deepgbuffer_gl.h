@@ -743,7 +743,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "flat in int dgb_v_layer;\n"
     "#endif\n"
     "\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_KEEP_TEST\n"
     "uniform sampler2DArray dgb_oracle;\n"
     "#endif\n"
     "\n"
@@ -776,7 +776,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0\n"
     "// when nothing moves: then every oracle gives what peeling gives, bit for bit.\n"
     "bool dgb_kept_in(int layer) {\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_KEEP_TEST\n"
     "    vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer\n"
     "    float z     = dgb_oracle_z(gl_FragCoord.z, dgb_draw_camera);\n"
     "    if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {\n"
@@ -934,6 +934,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "uniform sampler2D dgb_engine_albedo1;\n"
     "uniform sampler2D dgb_engine_velocity0;\n"
     "uniform sampler2D dgb_engine_velocity1;\n"
+    "uniform sampler2D dgb_engine_back;\n"
     "uniform sampler2D dgb_engine_roughness;\n"
     "\n"
     "float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }\n"
@@ -941,6 +942,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_albedo0, p, 0).rgb : texelFetch(dgb_engine_albedo1, p, 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_velocity0, p, 0).rgb : texelFetch(dgb_engine_velocity1, p, 0).rgb; }\n"
+    "float dgb_back_at(ivec2 p) { return texelFetch(dgb_engine_back, p, 0).r; }\n"
     "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_engine_roughness, p, 0).r; }\n"
     "#else\n"
     "uniform sampler2DArray dgb_depth;\n"
@@ -948,6 +950,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "uniform sampler2DArray dgb_radiance;\n"
     "uniform sampler2DArray dgb_albedo;\n"
     "uniform sampler2DArray dgb_velocity;\n"
+    "uniform sampler2D dgb_back;\n"
     "\n"
     "// Deeper layers may have a lower resolution: they fill a part of their images.\n"
     "ivec3 dgb_texel(int layer, ivec2 p) { return ivec3(p / (layer > 0 ? DGB_DIVISOR : 1), layer); }\n"
@@ -957,6 +960,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return texelFetch(dgb_albedo, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return texelFetch(dgb_velocity, dgb_texel(layer, p), 0).rgb; }\n"
+    "float dgb_back_at(ivec2 p) { return texelFetch(dgb_back, dgb_texel(1, p).xy, 0).r; }\n"
     "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_normal, ivec3(p, 0), 0).b; }\n"
     "#endif\n",
     0
@@ -1065,7 +1069,9 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "    dgb_reprojection dgb_pack_past;\n"
     "};\n"
     "\n"
-    "float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }\n"
+    "float dgb_z_of(float depth) { return dgb_linear_z(dgb_depth_code(depth, dgb_pack_separation.y), dgb_pack_camera); }\n"
+    "\n"
+    "float dgb_z_at(int layer, ivec2 p) { return dgb_z_of(dgb_depth_at(layer, p)); }\n"
     "\n"
     "layout(location = 0) out vec4 dgb_out_z;\n"
     "layout(location = 1) out vec4 dgb_out_normals;\n"
@@ -1151,6 +1157,10 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "    float z0        = dgb_z_at(0, p);\n"
     "    dgb_out_z       = vec4(dgb_packed_z(z0), 0.0, 0.0, 0.0);\n"
     "    dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);\n"
+    "#if DGB_BACK\n"
+    "    float back = dgb_z_of(dgb_back_at(p)); // behind another pixel's layer 0, with a divisor: never before this one's\n"
+    "    dgb_out_z.z = dgb_packed_z(dgb_keep_test(back, z0, 0.0) ? back : 0.0);\n"
+    "#endif\n"
     "#if DGB_PACK_RADIANCE\n"
     "    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0, dgb_out_normals.xy), 1.0);\n"
     "#endif\n"
@@ -1353,6 +1363,26 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     0
 };
 
+static const char* const dgbgli_glsl_thickness[] = { /* 36_thickness.glsl */
+    "#line 360001\n"
+    "// How far behind itself a surface hides what is there, shared by the bitmask and the reflections: no farther than `most`, m. What\n"
+    "// is known to lie behind the first layer ends it sooner; but behind a thin object may stand the next, too near for the second\n"
+    "// layer, so that a back face ends no surface before a part of the way. zs: as DGB_Z holds them.\n"
+    "const float DGB_LEAST_THICKNESS = 0.25; // of the most; without it occlusion errs more in every scene measured\n"
+    "\n"
+    "vec2 dgb_thickness_of(vec4 zs, float most) {\n"
+    "    vec2 thickness = vec2(most);\n"
+    "#if DGB_LAYERS > 1 && DGB_THICKNESS != 1\n"
+    "    thickness.x = min(thickness.x, zs.x - zs.y);\n"
+    "#endif\n"
+    "#if DGB_THICKNESS == 2\n"
+    "    thickness.x = min(thickness.x, max(zs.x - zs.z, DGB_LEAST_THICKNESS * most));\n"
+    "#endif\n"
+    "    return thickness;\n"
+    "}\n",
+    0
+};
+
 static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
     "#line 370001\n"
     "// The mathematics of the visibility bitmask (Therrien et al. 2023). A slice is a half plane bounded by the line of sight. Each\n"
@@ -1479,7 +1509,7 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
 static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#line 450001\n"
     "// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers\n"
-    "// (Therrien et al. 2023), here of two layers, the first no thicker than the way to the second. Slices are marched from near to far:\n"
+    "// (Therrien et al. 2023), here of two layers. Slices are marched from near to far:\n"
     "// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals\n"
     "// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer\n"
     "// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.\n"
@@ -1642,16 +1672,14 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything\n"
     "    known       = known && pixel != r.pixel;\n"
     "\n",
-    "    vec2        zs = texelFetch(dgb_z, texel, level).xy;\n"
+    "    vec4        zs = texelFetch(dgb_z, texel, level);\n"
+    "    vec2        thickness = dgb_thickness_of(zs, dgb_bitmask_radius.z);\n"
     "    vec3        b0 = vec3(0.0), b1 = vec3(0.0);\n"
     "    dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);\n"
-    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, thickness.x, vec3(0.0));\n"
     "#if DGB_NORMAL_TEST\n"
     "    vec4 normals = texelFetch(dgb_normals, texel, level);\n"
     "    y.n          = dgb_oct16_direction(normals.xy);\n"
-    "#endif\n"
-    "#if DGB_LAYERS > 1\n"
-    "    y.thickness = min(y.thickness, zs.x - zs.y);\n"
     "#endif\n"
     "#if DGB_BITMASK_LIGHT\n"
     "    b0 = texelFetch(dgb_b0, texel, level).rgb;\n"
@@ -1663,7 +1691,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#if DGB_DIVISOR > 1\n"
     "        l = dgb_sight_at(dgb_centre(1, pixel), r);\n"
     "#endif\n"
-    "        y = dgb_surface(zs.y - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "        y = dgb_surface(zs.y - r.x.z, thickness.y, vec3(0.0));\n"
     "#if DGB_NORMAL_TEST\n"
     "        y.n = dgb_oct16_direction(normals.zw);\n"
     "#endif\n"
@@ -2337,21 +2365,13 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    float depth; // behind the surface when the ray came there, as a share of the thickness; 0: it came from before it\n"
     "};\n"
     "\n"
-    "// How thick the surfaces of a texel are taken to be: the first no thicker than the way to the second.\n"
-    "vec2 dgb_thickness(vec2 zs) {\n"
-    "#if DGB_LAYERS > 1\n"
-    "    return vec2(min(dgb_reflect_ray.y, zs.x - zs.y), dgb_reflect_ray.y);\n"
-    "#else\n"
-    "    return dgb_reflect_ray.yy;\n"
-    "#endif\n"
-    "}\n"
-    "\n"
     "dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {\n"
     "    float   z = dgb_ray_z(ray, s), nearest = max(z, z_before);\n"
     "    dgb_hit hit;\n"
     "    hit.s     = s;\n"
     "    hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);\n"
-    "    vec2 zs   = texelFetch(dgb_z, hit.texel, 0).xy, thickness = dgb_thickness(zs);\n"
+    "    vec4 zs        = texelFetch(dgb_z, hit.texel, 0);\n"
+    "    vec2 thickness = dgb_thickness_of(zs, dgb_reflect_ray.y);\n"
     "    ++dgb_lookups;\n"
     "    bool first = dgb_is_behind(z, z_before, zs.x, thickness.x) && dgb_is_above(dgb_centre(0, hit.texel), zs.x, ray), second = false;\n"
     "#if DGB_LAYERS > 1\n"
@@ -2387,13 +2407,13 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "bool dgb_is_clear(dgb_ray ray, float jitter, int first, int last, vec2 z, int log2_cell) {\n"
     "    vec2  a = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, first)), b = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, last));\n"
     "    ivec2 corner = clamp(ivec2(min(a, b)), ivec2(0), dgb_reflect_size.xy - 1);\n"
-    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n",
+    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n"
     "    float low = min(z.x, z.y), high = max(z.x, z.y);\n"
     "    low -= DGB_Z_ROUNDING * abs(low);\n"
     "    high += DGB_Z_ROUNDING * abs(high);\n"
     "    ++dgb_lookups;\n"
     "    bool hits = dgb_may_hit(range.xy, low, high);\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_LAYERS > 1\n",
     "    hits = hits || dgb_may_hit(range.zw, low, high);\n"
     "#endif\n"
     "    return !hits;\n"
@@ -2486,11 +2506,11 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    float z      = texelFetch(dgb_z, pixel, 0).x;\n"
     "    vec3  x      = dgb_position(gl_FragCoord.xy, z, dgb_reflect_camera);\n"
     "    vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
-    "    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;\n",
+    "    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;\n"
     "    int   frame  = 0; // nothing averages the frames of a mirror: always the same\n"
     "#if DGB_GLOSSY\n"
     "    float alpha = dgb_ggx_alpha(dgb_roughness_at(pixel));\n"
-    "    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;\n"
+    "    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;\n",
     "    facet       = dgb_ggx_normal(-view, n, alpha, dgb_pixel_pair(pixel, frame));\n"
     "#endif\n"
     "    float jitter = (float(dgb_pixel_hash(pixel, frame)) + 0.5) / 256.0;\n"
@@ -3335,6 +3355,7 @@ static void dgbgli_pass_chunks(const dgb_program_desc* d, dgbgl_stage stage, dgb
     }
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
+    if (bitmask || pass == DGB_PASS_REFLECT) dgbgli_add_chunks(c, dgbgli_glsl_thickness);
     if (bitmask) dgbgli_add_chunks(c, dgbgli_glsl_sectors);
     if (pass == DGB_PASS_TILES || pass == DGB_PASS_RANGE) dgbgli_add_chunks(c, dgbgli_glsl_depths);
     if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_REFLECT || pass == DGB_PASS_GLOSSY)
@@ -3355,6 +3376,7 @@ static void dgbgli_pass_chunks(const dgb_program_desc* d, dgbgl_stage stage, dgb
     case DGB_PASS_REFLECT: dgbgli_add_chunks(c, dgbgli_glsl_reflect); break;
     case DGB_PASS_GLOSSY: dgbgli_add_chunks(c, dgbgli_glsl_glossy); break;
     case DGB_PASS_LAYERS: /* the engine's own */
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT:
     case DGB_PASS_COUNT: break;
     }
@@ -3460,6 +3482,8 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_ALBEDO0: return 11;
     case DGB_ENGINE_ALBEDO1: return 12;
     case DGB_LAST_FRAMES:
+    case DGB_BACK:
+    case DGB_ENGINE_BACK:
     case DGB_TILES: return 13;
     default: return b->desc.oracle_unit; /* key and oracle: beside passes of the engine's, whose units the others are */
     }
@@ -3662,7 +3686,7 @@ static void dgbgli_begin_layers(const dgbgl_backend* b, const dgb_pass* pass) {
 }
 
 static bool dgbgli_is_fullscreen(const dgb_pass* pass) {
-    return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT;
+    return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_BACK && pass->id != DGB_PASS_PREDICT;
 }
 
 static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
@@ -4074,6 +4098,7 @@ static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dg
     dgbgli_put_extensions(t, emission, b, stage);
     dgbgli_put_precision(t, b->es);
     dgbgli_put_define(t, "DGB_LAYERS", context->plan.layers);
+    dgbgli_put_define(t, "DGB_KEEP_TEST", context->plan.layers > 1 || dgb_get_texture(context, DGB_BACK).id != 0);
     dgbgli_put_define(t, "DGB_DIVISOR", context->desc.divisor);
     dgbgli_put_define(t, "DGB_REVERSED", context->desc.reversed);
     dgbgli_put_define(t, "DGB_DEPTH_CODES", dgbgli_depth_codes(context->desc.depth_format));

@@ -72,6 +72,7 @@ struct Options {
     dgb_emission emission = DGB_EMISSION_AUTO;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
     dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
+    dgb_thickness thickness = DGB_THICKNESS_LAYERS;
     uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
 
@@ -118,6 +119,7 @@ inline dgb_desc layers_desc(const Options& options) {
     desc.emission = options.emission;
     desc.tracer = options.tracer;
     desc.estimator = options.estimator;
+    desc.thickness = options.thickness;
     desc.reversed = options.clip != ClipRange::standard;
     desc.clip = desc.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
     return desc;
@@ -441,6 +443,13 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--boost", [=](const std::string& pair) { overrides->boost = parse_boost(pair); },
         "u,s: factors of bounced light for grey and for saturated surfaces (default 1,1)");
+    add_choice<dgb_thickness>(
+        app, "--thickness-from",
+        {{"constant", DGB_THICKNESS_CONSTANT}, {"layers", DGB_THICKNESS_LAYERS}, {"back", DGB_THICKNESS_BACK_FACES}},
+        [=](dgb_thickness thickness) { o->thickness = thickness; },
+        "what ends surfaces that are thinner than --thickness and --reflect-thickness: constant (nothing), layers "
+        "(default: "
+        "the second layer), back (that and back faces, drawn once more)");
     app->add_option("--reflect-steps", overrides->reflect_steps, "most steps of a mirrored ray (default 256)")
         ->check(between(1, 4096, "1 to 4096"));
     app->add_option("--reflect-distance", overrides->reflect_distance, "longest mirrored ray, m (default 30)")

@@ -375,6 +375,7 @@ void GpuScene::set_material(GLuint program, const GpuMaterial& material, Sides s
         glBindTexture(GL_TEXTURE_2D, material.textures[unit]);
     }
     (material.double_sided || sides == Sides::both ? glDisable : glEnable)(GL_CULL_FACE);
+    glCullFace(sides == Sides::back ? GL_FRONT : GL_BACK);
 }
 
 // Of the uniforms that place a mesh.

@@ -349,7 +349,7 @@ GlObject SceneRenderer::make_layers_program(const char* what, const char* fragme
 
 void SceneRenderer::make_programs() {
     material_program_ = make_layers_program("material", kMaterialFragment);
-    if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
+    if (has(DGB_PREDICTED) || has(DGB_BACK)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
     light_program_ = make_fullscreen_program("light", std::string(kDecodeNormal) + kDirectLight + kLightFragment);
     const std::string fallback = text_of(dgbgl_composite_snippet);
     composite_program_ = make_fullscreen_program("composite", fallback + kDecodeNormal + kCompositeFragment);
@@ -462,7 +462,8 @@ void SceneRenderer::draw_layers(const dgb_draw& draw) {
     set_uniform(program, "u_roughness", desc_.roughness.value_or(-1.0f));
     set_uniform(program, "u_clip", to_mat4(draw.projection) * view);
     set_uniform(program, "u_previous_clip", to_mat4(draw.previous_projection) * to_mat4(draw.previous_view));
-    const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances, GpuScene::Sides::as_material);
+    const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances,
+                                                draw.back_faces ? GpuScene::Sides::back : GpuScene::Sides::as_material);
     draw_counts_.draw_calls += counts.draw_calls;
     draw_counts_.triangles += counts.triangles;
 }
@@ -600,7 +601,7 @@ std::vector<float> SceneRenderer::read_picture(Picture picture) const {
 }
 
 std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum format) const {
-    const bool is_depth = slot == DGB_DEPTH;
+    const bool is_depth = slot == DGB_DEPTH || slot == DGB_BACK;
     const bool has_layers = slot <= DGB_KEY; // arrays come first among the slots
     const GLenum attachment = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
     const int guard = desc_.layers.guard_band;
@@ -612,7 +613,7 @@ std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum 
     } else {
         glFramebufferTexture2D(GL_READ_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture(slot), 0);
     }
-    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, divisor(layer));
+    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, divisor(slot == DGB_BACK ? 1 : layer));
 }
 
 std::vector<float> SceneRenderer::read_linear_depth(int layer) const {

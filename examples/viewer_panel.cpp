@@ -235,6 +235,12 @@ bool edit_methods(const Edited& side) {
     if (choose("estimator", &d.estimator, DGB_ESTIMATOR_COUNT, estimator)) {
         changed = side.follow(&dgb_desc::estimator);
     }
+    const auto thickness = [](int i) {
+        return i == DGB_THICKNESS_LAYERS ? "layers" : i == DGB_THICKNESS_CONSTANT ? "constant" : "back faces";
+    };
+    if (choose("thickness from", &d.thickness, DGB_THICKNESS_COUNT, thickness)) {
+        changed = side.follow(&dgb_desc::thickness);
+    }
     const auto senders = [](int i) { return i == DGB_SENDERS_BOTH ? "both" : "strongest"; };
     if (choose("senders", &d.senders, DGB_SENDERS_COUNT, senders)) { changed = side.follow(&dgb_desc::senders); }
     const auto normaliser = [](int i) { return i == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; };

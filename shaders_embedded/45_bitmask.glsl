@@ -1,5 +1,5 @@
 // Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers
-// (Therrien et al. 2023), here of two layers, the first no thicker than the way to the second. Slices are marched from near to far:
+// (Therrien et al. 2023), here of two layers. Slices are marched from near to far:
 // each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals
 // are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer
 // than surfaces are thick. What lies beyond the buffer is not known, and counts as open.
@@ -162,16 +162,14 @@ void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, 
     vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything
     known       = known && pixel != r.pixel;
 
-    vec2        zs = texelFetch(dgb_z, texel, level).xy;
+    vec4        zs = texelFetch(dgb_z, texel, level);
+    vec2        thickness = dgb_thickness_of(zs, dgb_bitmask_radius.z);
     vec3        b0 = vec3(0.0), b1 = vec3(0.0);
     dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);
-    dgb_surface y  = dgb_surface(zs.x - r.x.z, dgb_bitmask_radius.z, vec3(0.0));
+    dgb_surface y  = dgb_surface(zs.x - r.x.z, thickness.x, vec3(0.0));
 #if DGB_NORMAL_TEST
     vec4 normals = texelFetch(dgb_normals, texel, level);
     y.n          = dgb_oct16_direction(normals.xy);
-#endif
-#if DGB_LAYERS > 1
-    y.thickness = min(y.thickness, zs.x - zs.y);
 #endif
 #if DGB_BITMASK_LIGHT
     b0 = texelFetch(dgb_b0, texel, level).rgb;
@@ -183,7 +181,7 @@ void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, 
 #if DGB_DIVISOR > 1
         l = dgb_sight_at(dgb_centre(1, pixel), r);
 #endif
-        y = dgb_surface(zs.y - r.x.z, dgb_bitmask_radius.z, vec3(0.0));
+        y = dgb_surface(zs.y - r.x.z, thickness.y, vec3(0.0));
 #if DGB_NORMAL_TEST
         y.n = dgb_oct16_direction(normals.zw);
 #endif

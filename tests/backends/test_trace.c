@@ -64,7 +64,8 @@ static void on_draw(void* user, const dgb_draw* draw) {
     if (!f->r.in_pass) fail_msg("draw callback of layer %d outside of a pass", draw->first_layer);
     if (f->draw_count == MAX_DRAWS) fail_msg("more than %d draws", MAX_DRAWS);
     /* peeling compares with what this frame has drawn, every other oracle with what it has not */
-    if (oracle.id && (oracle.id == f->r.pass.depth.texture.id) != (draw->oracle == DGB_ORACLE_PEEL))
+    if (oracle.id && !draw->back_faces &&
+        (oracle.id == f->r.pass.depth.texture.id) != (draw->oracle == DGB_ORACLE_PEEL))
         fail_msg("oracle %s reads %s and writes %s", dgb_oracle_name(draw->oracle), record_texture_name(&f->r, oracle),
                  record_texture_name(&f->r, f->r.pass.depth.texture));
     f->passes[f->draw_count] = f->r.pass;
@@ -73,6 +74,7 @@ static void on_draw(void* user, const dgb_draw* draw) {
                   draw->layer_count, draw->instances, dgb_oracle_name(draw->oracle), dgb_emission_name(draw->emission));
     if (draw->pose) record_printf(&f->r.trace, ", pose %d", draw->pose);
     if (draw->depth_only) record_printf(&f->r.trace, ", depth only");
+    if (draw->back_faces) record_printf(&f->r.trace, ", back faces");
     record_printf(&f->r.trace, "\n");
 }
 
@@ -136,6 +138,7 @@ static dgb_layers engine_layers(fixture* f) {
         layers.velocity[i] =
             record_engine_texture(&f->r, i ? DGB_ENGINE_VELOCITY1 : DGB_ENGINE_VELOCITY0, width, height);
     }
+    layers.back = record_engine_texture(&f->r, DGB_ENGINE_BACK, width, height);
     layers.roughness = record_engine_texture(&f->r, DGB_ENGINE_ROUGHNESS, width, height);
     return layers;
 }
@@ -252,6 +255,27 @@ static void print_hierarchical_shading(record_text* text) {
     stop(&f);
 }
 
+/* Two frames, whole. Back faces are drawn behind the layers of the same pose and before the next. */
+static void print_back(record_text* text, construction c, int layers, int divisor) {
+    fixture f;
+    int frame;
+    configure(&f, c, layers, DGB_EFFECT_REFLECT);
+    f.desc.thickness = DGB_THICKNESS_BACK_FACES;
+    f.desc.divisor = divisor;
+    init(&f);
+    record_clear(&f.r);
+    record_printf(text, "== back faces, layers %d, oracle %s, emission %s, divisor %d\n", layers,
+                  dgb_oracle_name(c.oracle), dgb_emission_name(c.emission), divisor);
+    for (frame = 0; frame < 2; ++frame) {
+        record_printf(text, "-- frame %d\n", frame);
+        build(&f);
+        shade(&f);
+        take_trace(&f, text);
+    }
+    record_printf(text, "\n");
+    stop(&f);
+}
+
 /* Three frames, whole: with two the textures that change places are back where they were. */
 static void print_history(record_text* text, int layers, uint32_t effects) {
     fixture f;
@@ -344,6 +368,9 @@ static void test_golden_traces(void** state) {
     print_history(&text, 1, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, ALL_EFFECTS);
     print_hierarchical_shading(&text);
+    print_back(&text, constructions[0], 1, 1);
+    print_back(&text, constructions[6], 2, 2);
+    print_back(&text, constructions[13], 2, 1); /* delay, image */
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -1243,6 +1270,46 @@ static void test_gather_uniforms(void** state) {
         assert_true(fabsf(u->radius[3] - sqrtf(80.0f * 80.0f + 17.0f * 17.0f)) < 1e-4f);
         dgb_spiral_tap(255, 256, tap);
         assert_memory_equal(u->taps[255], tap, sizeof tap);
+        stop(&f);
+    }
+}
+
+/* A peel behind layer 0, by no separation, of the pose and with the camera of the layers, into a texture of its own. */
+static void test_back_faces(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < CONSTRUCTION_COUNT; ++i) {
+        const dgb_draw_uniforms *first, *back;
+        const dgb_draw *layers, *draw;
+        fixture f;
+        int frame, k;
+        configure(&f, constructions[i], 3, DGB_EFFECT_REFLECT);
+        f.desc.thickness = DGB_THICKNESS_BACK_FACES;
+        f.params.separation = 0.25f;
+        init(&f);
+        for (frame = 0; frame < 3; ++frame) {
+            record_clear(&f.r);
+            f.draw_count = 0;
+            f.view.view[12] = (float)frame;
+            build(&f);
+            for (k = 0; k < f.draw_count && !f.draws[k].back_faces; ++k) continue;
+            assert_true(k > 0 && k < f.draw_count);
+            layers = &f.draws[0], draw = &f.draws[k];
+            assert_true(draw->depth_only && draw->first_layer == 1 && draw->layer_count == 1 && draw->instances == 1);
+            assert_true(draw->oracle == DGB_ORACLE_PEEL && draw->pose == layers->pose);
+            assert_memory_equal(draw->view, layers->view, sizeof draw->view);
+            assert_memory_equal(draw->projection, layers->projection, sizeof draw->projection);
+            assert_int_equal(f.passes[k].id, DGB_PASS_BACK);
+            assert_true(f.passes[k].depth.texture.id == dgb_get_texture(&f.context, DGB_BACK).id);
+            assert_true(f.passes[k].depth.layer == 0 && f.passes[k].color_count == 0 && !f.passes[k].key.id);
+            first = &record_uniforms_of(&f.r, DGB_PASS_LAYERS, 0)->u.draw;
+            back = &record_uniforms_of(&f.r, DGB_PASS_BACK, 0)->u.draw;
+            assert_memory_equal(&back->camera, &first->camera, sizeof back->camera);
+            assert_memory_equal(&back->previous, &back->camera, sizeof back->camera);
+            assert_true(first->size[2] == 0.25f && back->size[2] == 0.0f && back->layer[0] == 1);
+            for (++k; k < f.draw_count; ++k) assert_false(f.draws[k].back_faces);
+            shade(&f);
+        }
         stop(&f);
     }
 }
@@ -2329,12 +2396,16 @@ static void test_wrong_source(void** state) {
 
 /* >> the engine's own layers */
 
-static void start_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
+static void configure_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
     start(f);
     f->desc.source = DGB_SOURCE_ENGINE;
     f->desc.layers = layers;
     f->desc.effects = effects;
     f->desc.normals = normals;
+}
+
+static void start_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
+    configure_engine(f, layers, effects, normals);
     init(f);
 }
 
@@ -2349,19 +2420,24 @@ static void check_input(fixture* f, const dgb_layers* layers, bool good, const c
     check_nothing_changed(f, &before);
 }
 
-/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9) and roughness (10), one at a time is missing. */
-static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
+/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9), roughness (10) and back faces (11), one at a time
+   is missing. */
+static void check_inputs_for(dgb_thickness thickness, int layers, uint32_t effects, dgb_normals normals,
+                             unsigned needed) {
     dgb_layers all;
     fixture f;
     unsigned missing;
-    start_engine(&f, layers, effects, normals);
+    configure_engine(&f, layers, effects, normals);
+    f.desc.thickness = thickness;
+    init(&f);
     all = engine_layers(&f);
-    for (missing = 0; missing < 11; ++missing) {
+    for (missing = 0; missing < 12; ++missing) {
         dgb_layers given = all;
         dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
         char what[64];
         if (missing < 10) kinds[missing % 5][missing / 5].id = 0;
         if (missing == 10) given.roughness.id = 0;
+        if (missing == 11) given.back.id = 0;
         snprintf(what, sizeof what, "effects %s, %d layers, without input %u", record_effect_names(effects), layers,
                  missing);
         check_input(&f, &given, !(needed >> missing & 1u), what);
@@ -2369,8 +2445,12 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
     stop(&f);
 }
 
+static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
+    check_inputs_for(DGB_THICKNESS_LAYERS, layers, effects, normals, needed);
+}
+
 static void test_inputs_that_are_needed(void** state) {
-    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32, ROUGHNESS = 1024 };
+    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32, ROUGHNESS = 1024, BACK = 2048 };
     const uint32_t ao = DGB_EFFECT_AO, light = DGB_EFFECT_RADIOSITY, bounces = DGB_EFFECT_BOUNCES,
                    temporal = DGB_EFFECT_TEMPORAL;
     (void)state;
@@ -2394,6 +2474,9 @@ static void test_inputs_that_are_needed(void** state) {
                  (Z | B) * (1 + SECOND) | VELOCITY | ROUGHNESS);
     check_inputs(2, ALL_EFFECTS & ~DGB_EFFECT_GLOSSY, DGB_NORMALS_FLOAT, 1023);
     check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 2047);
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 1, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH, Z | B | BACK);
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 1, ao, DGB_NORMALS_FROM_DEPTH, Z); /* the paper's knows no thickness */
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 4095);
 }
 
 /* Layers of the engine's own are never built afresh: a cut and a resize drop the history all the same. */
@@ -2531,6 +2614,7 @@ int main(void) {
         cmocka_unit_test(test_pack_uniforms),
         cmocka_unit_test(test_ao_uniforms),
         cmocka_unit_test(test_gather_uniforms),
+        cmocka_unit_test(test_back_faces),
         cmocka_unit_test(test_bitmask_uniforms),
         cmocka_unit_test(test_skip_uniforms),
         cmocka_unit_test(test_reconstruction_uniforms),

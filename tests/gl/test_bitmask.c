@@ -15,6 +15,8 @@
 #define PI 3.14159265358979323846
 
 static fixture f;
+static dgb_thickness thickness_from; /* of every context */
+static double back_behind;           /* the panes of bodies, m: where their back faces are */
 
 /* >> scenes: panes that are traced into the layers, the eye at the origin, looking down -Z */
 
@@ -102,6 +104,7 @@ static scene open_scene(int width, int height, int layers, uint32_t effects, dgb
     s.params.min_level = 0;
     d = images_desc(&s.m, 0, layers, effects, &f.gl.backend);
     d.estimator = estimator;
+    d.thickness = thickness_from;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
@@ -243,6 +246,19 @@ static void test_planes_are_open(void** state) {
 
 /* >> visibility beside bodies of known shape */
 
+static void put_backs(scene* s, const body* bodies, int count) {
+    static const double eye[3] = {0.0, 0.0, 0.0};
+    int x, y, i;
+    for (y = 0; y < s->m.height; ++y)
+        for (x = 0; x < s->m.width; ++x)
+            for (i = 0; i < count; ++i) {
+                double way[3], t;
+                ray_of(s, x, y, way);
+                t = meet(bodies[i].front, eye, way);
+                if (t > 0.0) s->m.back[y * s->m.width + x] = images_depth(t + back_behind);
+            }
+}
+
 /* A wall that faces the eye at 5 m, panes before it. Compared at pixels of the middle row that see the wall, averaged over frames.
    The bounds: the panes' borders are known to half a pixel, 2 cm, of a hemisphere of 0.6 to 1.5 m; a step up to 16 pixels
    away is of one pixel, and farther ones of two and four. Over all pixels half of that cancels. */
@@ -260,6 +276,7 @@ static void check_bodies(const char* name, int layers, const body* bodies, int c
     s.params.ao_samples = 96;
     s.params.thickness = thickness;
     trace(&s, all, count + 1);
+    put_backs(&s, bodies, count);
     open = mean_of(&s, DGB_AO_RAW, 64);
     for (x = 50; x < 143; x += 4) {
         double point[3], truth, error;
@@ -292,6 +309,31 @@ static void test_bodies(void** state) {
     check_bodies("a slab of 0.4 m", 1, &thick, 1, 0.4f, 0.03, 0.01);
     check_bodies("parallel plates, two layers", 2, plates, 2, 0.2f, 0.03, 0.01);
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
+}
+
+/* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its back is drawn,
+   but for a quarter of the most, and goes as far as the second layer at the latest, which is the wall. */
+static void test_thickness(void** state) {
+    static const pane front = {{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0};
+    static const struct {
+        const char* name;
+        dgb_thickness from;
+        int layers;
+        double back, most, thickness; /* the last is what comes of it */
+    } cases[] = {{"constant", DGB_THICKNESS_CONSTANT, 2, 0.2, 0.6, 0.6},
+                 {"to the second layer", DGB_THICKNESS_LAYERS, 2, 0.2, 2.0, 0.6},
+                 {"back faces of 0.2 m", DGB_THICKNESS_BACK_FACES, 2, 0.2, 0.6, 0.2},
+                 {"back faces of 0.4 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.4, 1.0, 0.4},
+                 {"back faces of 0.01 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.01, 0.8, 0.2}};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const body slab = {&front, cases[i].thickness};
+        thickness_from = cases[i].from;
+        back_behind = cases[i].back;
+        check_bodies(cases[i].name, cases[i].layers, &slab, 1, (float)cases[i].most, 0.03, 0.01);
+    }
+    thickness_from = DGB_THICKNESS_LAYERS;
 }
 
 /* A pane that glows towards the eye hangs before a wall: the wall sees its back. */
@@ -447,9 +489,10 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planes_are_open), cmocka_unit_test(test_bodies),      cmocka_unit_test(test_glowing_wall),
-        cmocka_unit_test(test_back_of_a_lamp),  cmocka_unit_test(test_hidden_lamp), cmocka_unit_test(test_any_image),
-        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_planes_are_open), cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_thickness),       cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),  cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_any_image),       cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
 }

@@ -44,14 +44,15 @@ typedef struct variant { /* of the snippets */
     dgb_emission emission;
     int version;
     bool es, interlock;
+    bool back; /* faces: even one layer is compared with */
     int layers, divisor;
     uint32_t targets; /* 0: all */
 } variant;
 
 static void name_variant(const variant* v, char* name, size_t capacity) {
-    snprintf(name, capacity, "layers_%s%d_%s_k%d_divisor%d%s_targets%u", v->es ? "es" : "gl", v->version,
-             dgb_emission_name(v->emission), v->layers, v->divisor, v->interlock ? "_interlock" : "",
-             (unsigned)v->targets);
+    snprintf(name, capacity, "layers_%s%d_%s_k%d%s_divisor%d%s_targets%u", v->es ? "es" : "gl", v->version,
+             dgb_emission_name(v->emission), v->layers, v->back ? "_back" : "", v->divisor,
+             v->interlock ? "_interlock" : "", (unsigned)v->targets);
 }
 
 /* The reference compiler knows the interlock qualifiers from this version on, though the extension asks for less. */
@@ -84,6 +85,7 @@ static void write_snippets(const char* directory, const variant* v) {
     context.backend.user = &gl;
     context.initialised = DGBI_INITIALISED;
     context.textures[DGB_DEPTH].id = 1;
+    context.textures[DGB_BACK].id = v->back;
     name_variant(v, name, sizeof name);
     length = dgbgl_shader_prefix(&context, DGBGL_VERTEX, varyings, 2, text, sizeof text);
     length += (size_t)snprintf(text + length, sizeof text - length,
@@ -135,13 +137,14 @@ static void write_all_snippets(const char* directory) {
                 v.interlock = emissions[i].interlock;
                 v.layers = layers[k];
                 v.targets = targets[t];
+                v.back = layers[k] == 1 && t == 0;
                 for (v.divisor = 1; v.divisor <= (emissions[i].divides ? 2 : 1); ++v.divisor)
                     write_snippets(directory, &v);
             }
 }
 
 int main(int argc, char** argv) {
-    int effects, layers, normals, senders;
+    int effects, layers, normals, senders, thickness;
     dgb_plan plan;
     if (argc != 2) return 2;
     for (effects = 1; effects < 64; ++effects)
@@ -157,7 +160,11 @@ int main(int argc, char** argv) {
                     desc.senders = (dgb_senders)senders;
                     write_plan(argv[1], &desc);
                     desc.estimator = DGB_ESTIMATOR_BITMASK;
-                    write_plan(argv[1], &desc);
+                    for (thickness = 0; thickness < DGB_THICKNESS_COUNT; ++thickness) {
+                        desc.thickness = (dgb_thickness)thickness;
+                        write_plan(argv[1], &desc);
+                    }
+                    desc.thickness = DGB_THICKNESS_LAYERS;
                     desc.estimator = DGB_ESTIMATOR_PAPER;
                 }
             desc.divisor = 1;

@@ -77,6 +77,7 @@ bool has_second(const Setting& s) { return s.desc.layers > 1; }
 bool has_filter(const Setting& s) { return gathers(s) && s.params.filter_taps > 1; }
 bool is_averaged(const Setting& s) { return gathers(s) && s.condition.frames > 1; }
 bool is_bitmask(const Setting& s) { return gathers(s) && s.desc.estimator == DGB_ESTIMATOR_BITMASK; }
+bool has_thickness(const Setting& s) { return is_mirror(s) || is_bitmask(s); }
 bool is_papers_light(const Setting& s) { return is_light(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
 bool has_papers_occlusion(const Setting& s) { return is_occlusion(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
 bool has_papers_senders(const Setting& s) { return is_papers_light(s) && has_second(s); }
@@ -86,6 +87,9 @@ const char* senders_word(int v) { return v == DGB_SENDERS_BOTH ? "both" : "stron
 const char* normaliser_word(int v) { return v == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; }
 const char* estimator_word(int v) { return v == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; }
 const char* baseline_word(int v) { return name_of(Baseline(v)); }
+const char* thickness_word(int v) {
+    return v == DGB_THICKNESS_LAYERS ? "layers" : v == DGB_THICKNESS_CONSTANT ? "constant" : "back";
+}
 const char* tracer_word(int v) { return v == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; }
 
 // The bitmask's confidence is the share of the hemisphere itself.
@@ -127,6 +131,8 @@ std::vector<Parameter> make_parameters() {
         parameter("weight", "w", {0, 0.85, 0.95}, &Q::history_weight, is_averaged),
         parameter("stride", "p", {1, 2, 4, 8, 16}, &Q::reflect_stride, is_mirror),
         parameter("thickness", "h", {0.05, 0.1, 0.25, 0.5, 1.0, 2.0}, &Q::reflect_thickness, is_mirror),
+        parameter("thickness_from", "x", {DGB_THICKNESS_LAYERS, DGB_THICKNESS_CONSTANT, DGB_THICKNESS_BACK_FACES},
+                  &D::thickness, has_thickness, thickness_word),
         parameter("tracer", "l", {DGB_TRACER_LINEAR, DGB_TRACER_HIERARCHICAL}, &D::tracer, is_mirror, tracer_word),
     };
     for (Parameter& p : all) {
@@ -353,6 +359,24 @@ std::vector<Setting> budget_settings() {
     const Setting mirror = preset_setting(Effect::mirror, DGB_PRESET_BALANCED);
     add_unless_there(&settings, mirror);
     for (const double stride : {1, 2, 3, 4, 6, 8, 12, 16}) { add(vary(mirror, {{"stride", stride}})); }
+    return settings;
+}
+
+std::vector<Setting> thickness_settings() {
+    std::vector<Setting> settings;
+    for (const Effect effect : kEffects) {
+        const Setting balanced = preset_setting(effect, DGB_PRESET_BALANCED);
+        add_unless_there(&settings, balanced);
+        Setting base =
+            vary(balanced, {{"estimator", DGB_ESTIMATOR_BITMASK}, {"taps", 60}, {"slices", 4}, {"stride", 1}});
+        base.around = "thickness";
+        base.varied.clear();
+        for (int from = 0; from < DGB_THICKNESS_COUNT; ++from) {
+            for (const double most : {0.1, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+                add_unless_there(&settings, vary(base, {{"thickness_from", double(from)}, {"thickness", most}}));
+            }
+        }
+    }
     return settings;
 }
 

@@ -1,10 +1,11 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--questions | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
+//     trade [--quick] [--questions | --thickness | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //
 // --budget: in place of the sweep, the settings of which dgb_preset_for picks; writes tests/trade/budget.csv and the table in
 // deepgbuffer.h; --check-budget says whether the two agree.
+// --thickness: in place of the sweep, what ends a surface (dgb_thickness), and at what length at the latest.
 // --questions: in place of the sweep, what a sweep cannot answer (questions.hpp); writes build/trade/questions.csv.
 //
 // Truth, by rays (tests/reference), for the view of the scene, at which a camera that walks and turns has arrived:
@@ -47,7 +48,7 @@ struct Plan {
     int width = 320, height = 180;
     int random_count = 200;
     uint32_t seed = 1;
-    bool questions = false, budget = false, check_budget = false;
+    bool questions = false, thickness = false, budget = false, check_budget = false;
     int samples = 1024, turns = 5; // rays a pixel of the truth; timed frames
     std::vector<std::string> scenes;
 };
@@ -746,6 +747,8 @@ Plan parse(const std::vector<std::string>& words) {
         } else if (words[i] == "--budget" || words[i] == "--check-budget") {
             plan.budget = words[i] == "--budget";
             plan.check_budget = !plan.budget;
+        } else if (words[i] == "--thickness") {
+            plan.thickness = true;
         } else if (words[i] == "--questions") {
             plan.questions = true;
         } else if (words[i] == "--size") {
@@ -820,9 +823,10 @@ void run(const Options& options) {
         check_budget();
         return;
     }
-    const std::vector<Setting> settings = plan.budget  ? budget_settings()
-                                          : plan.quick ? few_settings()
-                                                       : all_settings(plan.random_count, plan.seed);
+    const std::vector<Setting> settings = plan.budget      ? budget_settings()
+                                          : plan.thickness ? thickness_settings()
+                                          : plan.quick     ? few_settings()
+                                                           : all_settings(plan.random_count, plan.seed);
     const std::vector<NamedView> scenes = name_views(plan.scenes);
     std::vector<Row> rows = read_rows("build/trade/rows.csv");
     write_rows("rows.csv", rows); // without a line that was cut off, which the next would go on
