@@ -2109,11 +2109,11 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_packed_outputs(pass, true, w->radiance, w->layers);
 }
 
-/* Occlusion taps read z alone; radiosity reads everything at every level. */
+/* Occlusion taps read z alone; radiosity reads everything at every level. The programs here and below do not depend on the
+   size, even where a small one leaves some of them no pass: dgb_resize keeps them. */
 static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
-    int program, level, i;
-    if (plan->levels == 1) return;
-    program = dgbi_add_program(plan, DGB_PASS_MIP);
+    const int program = dgbi_add_program(plan, DGB_PASS_MIP);
+    int level, i;
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
     for (level = 1; level < plan->levels; ++level) {
@@ -2263,7 +2263,7 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_pl
 static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     const int levels = dgbi_range_levels(plan), first = plan->program_count;
     int level;
-    for (level = 0; level < dgbi_min(levels, 2); ++level) {
+    for (level = 0; level < 2; ++level) {
         dgbi_add_program(plan, DGB_PASS_RANGE);
         dgbi_add_define(plan, "DGB_RANGE_STEP", level);
     }

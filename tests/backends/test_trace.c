@@ -1884,6 +1884,31 @@ static void test_whatever_was_initialised_resizes(void** state) {
     assert_true(good > 300);
 }
 
+/* Programs stay through a resize, so no size may ask for others: not even one that has no MIP chain and no coarser range. */
+static void test_programs_do_not_depend_on_the_size(void** state) {
+    static const int sizes[][2] = {{71, 1}, {2, 2}, {64, 48}};
+    fixture f;
+    size_t i;
+    (void)state;
+    start(&f);
+    f.desc.guard_band = 0;
+    f.desc.effects = ALL_EFFECTS;
+    f.desc.tracer = DGB_TRACER_HIERARCHICAL;
+    init(&f);
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        dgb_plan before;
+        memcpy(&before, &f.context.plan, sizeof before);
+        assert_int_equal(dgb_resize(&f.context, sizes[i][0], sizes[i][1]), DGB_OK);
+        assert_int_equal(f.context.plan.program_count, before.program_count);
+        assert_true(same_bits(f.context.plan.programs, before.programs, sizeof before.programs));
+        f.draw_count = 0;
+        build(&f);
+        shade(&f); /* the backend checks that each pass draws with a program of its own */
+        record_clear(&f.r);
+    }
+    stop(&f);
+}
+
 static void test_resize_discards_the_layers(void** state) {
     fixture f;
     (void)state;
@@ -2553,6 +2578,7 @@ int main(void) {
         cmocka_unit_test(test_resize_knows_the_device),
         cmocka_unit_test(test_resize_to_the_same_does_nothing),
         cmocka_unit_test(test_whatever_was_initialised_resizes),
+        cmocka_unit_test(test_programs_do_not_depend_on_the_size),
         cmocka_unit_test(test_resize_discards_the_layers),
         cmocka_unit_test(test_backend_is_checked),
         cmocka_unit_test(test_optional_callbacks),
