@@ -2741,19 +2741,18 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
-/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
+/* From this frame's camera space to last frame's; the identity, exactly, for equal views, and where floats hold no other. */
 static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
     double inverse[12], affine[12], change[12];
-    int row, column;
-    const bool same = dgbi_same_bits(now, last, 16);
+    bool valid = !dgbi_same_bits(now, last, 16) && dgbi_invert_affine(now, inverse);
+    int row, column, i;
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) {
-            affine[column * 3 + row] = (double)last[column * 4 + row];
-            change[column * 3 + row] = column == row ? 1.0 : 0.0;
-        }
-    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)last[column * 4 + row];
+    if (valid) dgbi_multiply_affine(affine, inverse, change);
+    for (i = 0; valid && i < 12; ++i) valid = dgbi_is_finite((float)change[i]);
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
+        for (row = 0; row < 3; ++row)
+            rows[row][column] = valid ? (float)change[column * 3 + row] : column == row ? 1.0f : 0.0f;
 }
 
 /* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
