@@ -58,6 +58,9 @@ benchmarks := $(patsubst %,$(B)/%,$(basename $(wildcard tests/bench/*.c tests/be
 reference_tests       = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/reference/test_*.cpp))
 reference_benchmarks := $(patsubst %.cpp,$(B)/%,$(shell grep -l '"reference.hpp"' tests/bench/*.cpp))
 
+# Programs that test parts of the examples which need no GPU.
+scene_tests = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/examples/test_*.cpp))
+
 source_tests  := tests/compile/compile.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
@@ -66,7 +69,7 @@ example_tests := $(wildcard tests/examples/*.sh)
 # >> targets
 
 .PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests trade budget embed embed-check shaders-check format format-fix tidy clean
+        gpu-tests reference-tests scene-tests trade budget embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -96,11 +99,11 @@ demo: ## set up, build and render the atrium into build/demo
 
 test: setup ## set up, build and run every test
 	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests build/release/trade
-	@$(MAKE) config=sanitize core-tests
+	@$(MAKE) config=sanitize core-tests scene-tests
 	@$(MAKE) config=fastmath core-tests
 	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
-	    $(call reference_tests,release) tests/trade/trade.sh $(example_tests)
+	    $(call reference_tests,release) $(call scene_tests,sanitize) tests/trade/trade.sh $(example_tests)
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)
@@ -159,6 +162,7 @@ core-tests: $(call core_tests,$(config))
 gl-tests: $(gl_tests)
 gpu-tests: $(if $(vulkan),$(gpu_cost))
 reference-tests: $(call reference_tests,$(config))
+scene-tests: $(call scene_tests,$(config))
 
 # >> rules: objects, archives, programs
 
@@ -203,6 +207,12 @@ $(cpp_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 $(B)/viewer: $(call objects,$(viewer_sources)) $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),imgui glfw3 epoxy $(gltf))
+
+scene_loader := $(call objects,examples/scene_gltf.cpp examples/scene_pose.cpp)
+
+$(call scene_tests,$(config)): $(B)/%: $(B)/obj/%.o $(scene_loader)
+	$(call say,link)
+	$(call link,$(CXX),cmocka $(gltf))
 
 $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 	$(call say,link)
