@@ -461,14 +461,16 @@ void test_contents(void**) {
 
 void test_binary(void**) { assert_int_equal(load(binary_gltf()).meshes[0].vertices.size(), 6); }
 
-// At each word of the header and of the chunks: none, too much, and all.
+// At each word of the header and of the chunks: none, too much, and all of it.
 void test_binary_words(void**) {
     const std::string good = binary_gltf();
     uint32_t json_size = 0;
     std::memcpy(&json_size, &good[12], sizeof json_size);
     const size_t chunk = 20 + json_size;
     for (const size_t at : {size_t(8), size_t(12), size_t(16), chunk, chunk + 4}) {
-        for (const uint32_t value : {0u, 3u, uint32_t(good.size()) + 4u, 0x7ffffffcu, 0xfffffffcu, 0xffffffffu}) {
+        // The last ends within the 8 bytes of the chunk's own header beyond the file.
+        for (const uint32_t value : {0u, 3u, uint32_t(good.size()) + 4u, 0x7ffffffcu, 0xfffffffcu, 0xffffffffu,
+                                     uint32_t(buffer_bytes().size()) + 4u}) {
             std::string file = good;
             std::memcpy(&file[at], &value, sizeof value);
             check_refused(file, "");

@@ -57,6 +57,7 @@ static void colours(fuzz_bytes* b) {
     }
     if (dgb_r11g11b10f_pack(back) != packed) fail_msg("%08x is not what it unpacks to", (unsigned)packed);
     in_range(dgb_half_to_float(dgb_half_from_float(x[0])), -65504.0f, 65504.0f, "half");
+    if (isnan(x[0]) && dgb_half_from_float(x[0]) != 0) fail_msg("half of NaN");
     half = (uint16_t)fuzz_u32(b);
     if (isfinite(dgb_half_to_float(half)) && dgb_half_from_float(dgb_half_to_float(half)) != half)
         fail_msg("the half %04x is not what it unpacks to", half);
