@@ -58,9 +58,8 @@ public:
         return handles;
     }
 
-    // Of contexts that shade these layers, or one of them.
-    static dgb_desc describe(int width, int height, int layers, uint32_t effects) {
-        dgb_desc desc{};
+    // Of contexts that shade these layers, or one of them. desc: what else they are to have.
+    static dgb_desc describe(int width, int height, int layers, uint32_t effects, dgb_desc desc = {}) {
         desc.width = width;
         desc.height = height;
         desc.layers = layers;

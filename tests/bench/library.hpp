@@ -56,9 +56,10 @@ private:
 class Library {
 public:
     // clock: of the passes; null: they are not timed. counts: DGB_REFLECTION_HIT holds lookups in place of lengths.
-    explicit Library(dgb_desc desc, PassClock* clock = nullptr, bool counts = false) {
+    explicit Library(dgb_desc desc, PassClock* clock = nullptr, bool counts = false,
+                     dgbgl_get_proc_fn get_proc = headless_get_proc) {
         dgbgl_desc gl_desc{};
-        gl_desc.get_proc = headless_get_proc;
+        gl_desc.get_proc = get_proc;
         gl_desc.no_timers = true; // a timer query may make a tiler flush
         gl_desc.message = [](void* user, const char* text) { static_cast<std::string*>(user)->append(text); };
         gl_desc.message_user = &complaint_;

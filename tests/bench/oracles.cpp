@@ -51,13 +51,7 @@ public:
         : view_(load_view(argument)), gpu_(view_.scene), lights_(view_.scene, gpu_, {sun_light(view_.to_sun, 4.0f)}) {}
 
     const std::string& name() const { return view_.name; }
-    // Gives the second view of a scene another name than the first.
-    void tell_from(const std::vector<std::string>& names) {
-        const std::string file = view_.name;
-        for (int i = 2; std::count(names.begin(), names.end(), view_.name) > 0; ++i) {
-            view_.name = file + " " + std::to_string(i);
-        }
-    }
+    void tell_from(const std::vector<std::string>& names) { ::tell_from(names, &view_.name); }
     const GpuScene& gpu() const { return gpu_; }
     const SceneLights& lights() const { return lights_; }
     float size() const { return glm::length(view_.scene.bounds_max - view_.scene.bounds_min); } // metres

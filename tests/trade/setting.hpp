@@ -1,6 +1,8 @@
 // What the trade of speed for accuracy varies: one effect with all that it depends on.
 #pragma once
 
+#include "baselines.hpp"
+
 #include "deepgbuffer.h"
 
 #include <string>
@@ -10,31 +12,45 @@ enum class Effect { occlusion, light, mirror };
 constexpr Effect kEffects[] = {Effect::occlusion, Effect::light, Effect::mirror};
 
 const char* name_of(Effect effect);
-uint32_t bits_of(Effect effect); // DGB_EFFECT_*
+
+// How the frame that is looked at comes about. Settings are compared with those of the same condition.
+struct Condition {
+    int frames = 1;     // shaded, it included; more than one: with the temporal filter
+    bool moving = true; // the camera, on its way to the view that is looked at
+
+    bool operator==(Condition other) const { return frames == other.frames && moving == other.moving; }
+};
 
 struct Setting {
     Effect effect = Effect::occlusion;
-    std::string around; // the preset that it is a variation of, or "random"
-    std::string varied; // what is not as in the preset: "layers=1"; "" for the preset itself
-    int layers = 2, divisor = 1;
-    dgb_oracle oracle = DGB_ORACLE_REPROJECT;
-    dgb_senders senders = DGB_SENDERS_BOTH;
-    dgb_normaliser normaliser = DGB_NORMALISER_BOUNDED;
-    dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
-    dgb_tracer tracer = DGB_TRACER_LINEAR;
+    Condition condition;
+    std::string around;                 // the preset that it is a variation of, or "random"
+    std::string varied;                 // what is not as in the preset: "layers=1"; "" for the preset itself
+    dgb_desc desc{};                    // what a context is made with, but for its size and effects
+    Baseline baseline = Baseline::none; // in place of the library's occlusion
     float coverage = 2.0f; // share of the hemisphere, by confidence, that irradiance counts for in a composite
     dgb_params params{};   // lengths are shares of the scene's: see scaled()
+
+    Setting() {
+        desc.layers = 2;
+        desc.divisor = 1;
+        desc.oracle = DGB_ORACLE_REPROJECT;
+    }
 };
 
-// All numbers that define it, one word without commas: settings with the same key give the same picture.
+uint32_t effects_of(const Setting& setting); // DGB_EFFECT_*
+
+// All numbers that define it but for the condition, one word without commas: settings with the same key and condition give the
+// same picture.
 std::string key_of(const Setting& setting);
 
 // A preset's, with two layers.
-Setting preset_setting(Effect effect, dgb_preset_id preset);
+Setting preset_setting(Effect effect, dgb_preset_id preset, Condition condition = {});
 
-// The presets and, around each, one parameter at a time; then `random_count` drawn at random from all of them, of the seed.
+// The presets and, around each, one parameter at a time; some over several frames; then `random_count` drawn at random from all
+// parameters, of the seed.
 std::vector<Setting> all_settings(int random_count, uint32_t seed);
-// 24 of the most telling.
+// A few of the most telling.
 std::vector<Setting> few_settings();
 
 // Every combination of what dgb_preset_for chooses: taps, MIP level, filter, normal test; step and tracer of mirrors.

@@ -7,22 +7,23 @@
 // deepgbuffer.h; --check-budget says whether the two agree.
 // --questions: in place of the sweep, what a sweep cannot answer (questions.hpp); writes build/trade/questions.csv.
 //
-// Truth, by rays (tests/reference), for the fourth frame of a camera that walks and turns:
+// Truth, by rays (tests/reference), for the view of the scene, at which a camera that walks and turns has arrived:
 //     ao           the paper's obscurance integral over the true geometry, within the scene's radius; beside it (rmse_cosine)
 //                  cosine-weighted visibility with rays as long as that radius
 //     irradiance   light of one bounce from within the scene's radius, W/m2; from where nothing is known comes none, and the
 //                  library's irradiance counts by the share of the hemisphere that the composite snippet gives it
 //     reflection   radiance in a mirror at every pixel of a floor, as far as mirrored rays reach; where nothing is found stands the
 //                  median of the truth. `wrong` is the share of the pixels whose hit is not within the separation of the true one
-// Errors of the first two are relative to nothing: AO is a share, irradiance is divided by the true mean. No temporal filter.
-// Cost is time to shade, as a ratio to the BALANCED preset with two layers, measured in turns in one process; cost_built adds
-// the time to build the layers to both.
+// Errors of the first two are relative to nothing: AO is a share, irradiance is divided by the true mean.
+// `frames` is how many were shaded: more than one go through the temporal filter, of a camera that is `still` or `moving` on its
+// way to the view. `change` is by how much the picture of a surface, which stands still, changes from the last frame but one to
+// the last, in the units of the errors.
+// Cost is time to shade, as a ratio to one frame of the BALANCED preset with two layers, measured in turns in one process;
+// cost_built adds the time to build the layers to both.
 #include "budget.hpp"
-#include "engine_layers.hpp"
 #include "metrics.hpp"
 #include "questions.hpp"
-#include "reference.hpp"
-#include "setting.hpp"
+#include "stage.hpp"
 
 #include <fstream>
 #include <iostream>
@@ -31,10 +32,6 @@
 
 namespace {
 
-using Pixels = std::vector<float>;
-
-constexpr Motion kStep{0.045f, 0.34f, true};
-constexpr int kFrame = 4;      // that is looked at
 constexpr int kSilhouette = 3; // pixels
 constexpr int kBorder = 16;    // pixels
 
@@ -53,130 +50,7 @@ struct Plan {
     bool questions = false, budget = false, check_budget = false;
     int samples = 1024, turns = 5; // rays a pixel of the truth; timed frames
     std::vector<std::string> scenes;
-    float aspect() const { return float(width) / float(height); }
 };
-
-// ---- Stage ----------------------------------------------------------------------------------------------
-
-struct Built {
-    std::unique_ptr<EngineLayers> layers;
-    double build_ms = 0.0; // median of the frames
-};
-
-// A scene at the frame that is looked at, with the layers of any construction.
-class Stage {
-public:
-    Stage(const std::string& argument, const Plan& plan);
-
-    const std::string& name() const { return subject_.view.name; }
-    float size() const { return subject_.size(); } // metres
-    const ReferenceView& view() const { return reference_view_; }
-    const ReferenceScene& reference() const { return *reference_; }
-    dgb_view dgb_view_now() const { return to_dgb_view(reference_view_.view, reference_view_.projection); }
-    const Pixels& z() const { return z_; }
-    const std::vector<SurfacePoint>& points() const { return points_; }
-    const Built& built(const Setting& setting);
-    // A renderer that has built and shaded the frame with the setting's construction and effect.
-    std::unique_ptr<SceneRenderer> shaded(const Setting& setting, PassTimes* times) const;
-
-private:
-    SceneFrame at(int frame) const;
-    Built build(const Setting& setting) const;
-
-    const Plan& plan_;
-    Subject subject_;
-    GpuScene gpu_;
-    SceneLights lights_;
-    ReferenceView reference_view_;
-    std::unique_ptr<ReferenceScene> reference_;
-    Pixels z_; // of the first layer
-    std::vector<SurfacePoint> points_;
-    std::map<std::string, Built> built_; // by what a construction depends on
-};
-
-std::unique_ptr<SceneRenderer> make_renderer(const GpuScene& scene, const SceneLights& lights, const Plan& plan,
-                                             const Setting& setting, uint32_t effects, PassTimes* times) {
-    RendererDesc desc;
-    desc.get_proc = headless_get_proc;
-    desc.layers.width = plan.width;
-    desc.layers.height = plan.height;
-    desc.layers.layers = setting.layers;
-    desc.layers.effects = effects;
-    desc.layers.oracle = setting.layers > 1 ? setting.oracle : DGB_ORACLE_PEEL;
-    desc.layers.divisor = setting.layers > 1 ? setting.divisor : 1;
-    desc.layers.senders = setting.senders;
-    desc.layers.normaliser = setting.normaliser;
-    desc.layers.estimator = setting.estimator;
-    desc.layers.tracer = setting.tracer;
-    desc.scene = &scene;
-    desc.lights = &lights;
-    desc.times = times;
-    return std::make_unique<SceneRenderer>(desc);
-}
-
-Stage::Stage(const std::string& argument, const Plan& plan)
-    : plan_(plan), subject_(load_subject(argument)), gpu_(subject_.view.scene),
-      lights_(subject_.view.scene, gpu_, subject_.lights) {
-    lights_.update(*gpu_.first_pose());
-    reference_ =
-        std::make_unique<ReferenceScene>(subject_.view.scene, current_pose(subject_.view.scene), subject_.lights);
-    reference_view_.view = at(kFrame).view;
-    reference_view_.projection = at(kFrame).projection;
-    reference_view_.width = plan.width;
-    reference_view_.height = plan.height;
-
-    PassTimes times(false);
-    const auto renderer = shaded(preset_setting(Effect::occlusion, DGB_PRESET_BALANCED), &times);
-    z_ = renderer->read_z(0);
-    points_ = surface_points(reference_view_, z_, renderer->read_normals(0));
-}
-
-SceneFrame Stage::at(int frame) const {
-    SceneFrame at;
-    at.view = view_matrix(moved(subject_.view.camera, kStep, frame));
-    at.projection = projection_matrix(subject_.view.camera, plan_.aspect(), ClipRange::standard);
-    at.next_view = view_matrix(moved(subject_.view.camera, kStep, frame + 1)); // PREDICT is told
-    return at;
-}
-
-Built Stage::build(const Setting& setting) const {
-    PassTimes times(false);
-    const auto renderer = make_renderer(gpu_, lights_, plan_, setting, 0, &times);
-    const dgb_params params = scaled(setting.params, size());
-    Built built;
-    std::vector<double> milliseconds;
-    for (int frame = 0; frame <= kFrame; ++frame) {
-        glFinish();
-        const double start = deciding_ms();
-        renderer->build(at(frame), params);
-        glFinish();
-        if (frame > 0) { milliseconds.push_back(deciding_ms() - start); } // the first is built by peeling
-        renderer->shade(params);
-    }
-    built.layers = std::make_unique<EngineLayers>(*renderer); // a layer of lower resolution comes enlarged
-    built.build_ms = median(milliseconds);
-    return built;
-}
-
-std::unique_ptr<SceneRenderer> Stage::shaded(const Setting& setting, PassTimes* times) const {
-    auto renderer = make_renderer(gpu_, lights_, plan_, setting, bits_of(setting.effect), times);
-    const dgb_params params = scaled(setting.params, size());
-    for (int frame = setting.layers > 1 ? 0 : kFrame; frame <= kFrame; ++frame) { // oracles look back
-        renderer->build(at(frame), params);
-        if (frame == kFrame) { renderer->shade(params); }
-    }
-    return renderer;
-}
-
-const Built& Stage::built(const Setting& setting) {
-    char key[64] = "one";
-    if (setting.layers > 1) {
-        std::snprintf(key, sizeof key, "%g %d %d", double(setting.params.separation), int(setting.oracle),
-                      setting.divisor);
-    }
-    const auto found = built_.find(key);
-    return found != built_.end() ? found->second : built_.emplace(key, build(setting)).first->second;
-}
 
 // ---- Truth ----------------------------------------------------------------------------------------------
 
@@ -257,8 +131,8 @@ Truth trace_truth(const Stage& stage, const Plan& plan) {
 
 // What is measured of a setting, in the order of the columns.
 constexpr const char* kMeasures[] = {
-    "rmse",        "mae",   "bias", "p95",        "relative", "ssim",  "gain", "rmse_cosine", "rmse_silhouette",
-    "rmse_border", "wrong", "cost", "cost_built", "bytes",    "texels"};
+    "rmse",        "mae",    "bias",  "p95",  "relative",   "ssim",  "gain",  "rmse_cosine", "rmse_silhouette",
+    "rmse_border", "change", "wrong", "cost", "cost_built", "bytes", "texels"};
 enum Measure {
     kRmse,
     kMae,
@@ -270,6 +144,7 @@ enum Measure {
     kRmseCosine,
     kRmseSilhouette,
     kRmseBorder,
+    kChange,
     kWrong,
     kCost,
     kCostBuilt,
@@ -278,11 +153,19 @@ enum Measure {
     kMeasureCount
 };
 
+struct NamedView {
+    std::string name; // in this run
+    std::string view; // file and camera: the same in all runs, and no other's
+};
+
 struct Row {
-    std::string scene, size, effect, around, varied, key;
+    std::string scene, view; // as above
+    std::string size, effect, frames, camera, around, varied, key;
     std::array<double, kMeasureCount> measures{};
     bool on_front = false; // no other setting of the scene and effect costs less and is nearer to the truth
 };
+
+constexpr size_t kTexts = 9; // columns before the measures
 
 std::vector<std::string> split(const std::string& line) {
     std::vector<std::string> words;
@@ -292,8 +175,11 @@ std::vector<std::string> split(const std::string& line) {
 }
 
 std::string text_of(const Row& row) {
-    std::string line =
-        row.scene + "," + row.size + "," + row.effect + "," + row.around + "," + row.varied + "," + row.key;
+    std::string line = row.scene;
+    for (const std::string* text :
+         {&row.view, &row.size, &row.effect, &row.frames, &row.camera, &row.around, &row.varied, &row.key}) {
+        line += "," + *text;
+    }
     for (const double measure : row.measures) {
         char number[32];
         std::snprintf(number, sizeof number, ",%.6g", measure);
@@ -302,43 +188,69 @@ std::string text_of(const Row& row) {
     return line;
 }
 
-// Of a file that an earlier run left, or none. A line that was cut off is measured again.
+// Of a file that an earlier run left, or none, without a line that was cut off.
 std::vector<Row> read_rows(const std::string& path) {
     std::vector<Row> rows;
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
         const std::vector<std::string> words = split(line);
-        if (words.size() != 6 + kMeasureCount) { continue; }
-        Row row{words[0], words[1], words[2], words[3], words[4], words[5]};
-        for (size_t i = 0; i < kMeasureCount; ++i) { row.measures[i] = std::strtod(words[6 + i].c_str(), nullptr); }
+        if (file.eof() || words.size() != kTexts + kMeasureCount) { continue; }
+        Row row{words[0], words[1], words[2], words[3], words[4], words[5], words[6], words[7], words[8]};
+        for (size_t i = 0; i < kMeasureCount; ++i) {
+            row.measures[i] = std::strtod(words[kTexts + i].c_str(), nullptr);
+        }
         rows.push_back(std::move(row));
     }
     return rows;
 }
 
+void write_rows(const std::string& name, const std::vector<Row>& rows) {
+    const File file = open_result(name, "w");
+    for (const Row& row : rows) { std::fprintf(file.get(), "%s\n", text_of(row).c_str()); }
+}
+
+// Of the same view, effect and condition: only these are compared with each other.
+bool same_contest(const Row& a, const Row& b) {
+    return a.view == b.view && a.size == b.size && a.effect == b.effect && a.frames == b.frames && a.camera == b.camera;
+}
+
 const Row* find_row(const std::vector<Row>& rows, const Row& wanted) {
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
-        return row.scene == wanted.scene && row.size == wanted.size && row.effect == wanted.effect &&
-               row.key == wanted.key;
-    });
+    const auto found = std::find_if(rows.begin(), rows.end(),
+                                    [&](const Row& row) { return same_contest(row, wanted) && row.key == wanted.key; });
     return found != rows.end() ? &*found : nullptr;
 }
 
 // ---- Measuring ------------------------------------------------------------------------------------------
 
+// A setting, its pictures of all frames, and its time to shade.
 class Contender {
 public:
-    Contender(Stage* stage, const Plan& plan, const Setting& setting)
+    Contender(Stage* stage, const Setting& setting)
         : stage_(stage), setting_(setting), params_(scaled(setting.params, stage->size())),
-          built_(&stage->built(setting)), library_(describe(plan, setting)) {}
+          built_(&stage->built(setting)),
+          library_(describe(stage->view(), setting), nullptr, false, get_proc_of(setting.baseline)) {}
 
+    const Setting& setting() const { return setting_; }
+    const dgb_params& params() const { return params_; }
     double build_ms() const { return built_->build_ms; }
     double bytes() const { return double(library_.context()->plan.bytes); }
-    const dgb_params& params() const { return params_; }
-    float coverage() const { return setting_.coverage; }
 
-    double shade() { // milliseconds
-        library_.set_layers(stage_->dgb_view_now(), built_->layers->handles(setting_.layers));
+    // All frames of the setting, after which there is something to read.
+    void run() {
+        const bool moves = setting_.condition.moving && setting_.condition.frames > 1;
+        const bool is_smaller = setting_.desc.layers > 1 && setting_.desc.divisor > 1;
+        if (moves || is_smaller) { // the layers that are kept are of one pose, and of one resolution
+            renderer_ = stage_->shaded(setting_, &before_);
+            return;
+        }
+        for (int frame = 1; frame <= setting_.condition.frames; ++frame) {
+            if (frame > 1) { before_ = {stage_->view().view, stage_->points(), shown()}; }
+            shade();
+        }
+    }
+
+    double shade() { // milliseconds; again: one frame more, in which nothing moved
+        library_.set_layers(stage_->dgb_view_now(), built_->layers->handles(setting_.desc.layers));
         glFinish();
         const double start = deciding_ms();
         library_.shade(params_);
@@ -346,22 +258,21 @@ public:
         return deciding_ms() - start;
     }
 
-    // Of the effect, as the library left it.
     Pixels read(dgb_slot slot, GLenum format) const {
-        if (setting_.layers == 1 || setting_.divisor == 1) { return library_.read(slot, format); }
-        // An engine's own layers have one resolution. Shading takes as long, but the picture is another.
-        PassTimes times(false);
-        return stage_->shaded(setting_, &times)->read_texture(slot, 0, format);
+        return renderer_ ? renderer_->read_texture(slot, 0, format) : library_.read(slot, format);
     }
+    Pixels shown() const {
+        const Shown what = shown_of(setting_.effect);
+        return read(what.slot, what.format);
+    }
+    const Snapshot& before() const { return before_; } // the last frame but one; without one there is no picture
 
 private:
-    static dgb_desc describe(const Plan& plan, const Setting& setting) {
-        dgb_desc desc = EngineLayers::describe(plan.width, plan.height, setting.layers, bits_of(setting.effect));
-        desc.senders = setting.senders;
-        desc.normaliser = setting.normaliser;
-        desc.estimator = setting.estimator;
-        desc.tracer = setting.tracer;
-        return desc;
+    static dgb_desc describe(const ReferenceView& view, const Setting& setting) {
+        dgb_desc desc = setting.desc;
+        desc.oracle = DGB_ORACLE_DEFAULT; // the layers are there already
+        desc.divisor = 0;
+        return EngineLayers::describe(view.width, view.height, desc.layers, effects_of(setting), desc);
     }
 
     Stage* stage_;
@@ -369,6 +280,8 @@ private:
     dgb_params params_;
     const Built* built_;
     Library library_;
+    std::unique_ptr<SceneRenderer> renderer_; // that has the pictures; none: the library above
+    Snapshot before_;
 };
 
 struct Picture {
@@ -398,17 +311,24 @@ Pixels composited(const Pixels& irradiance, float coverage) {
     return rgb;
 }
 
-Picture picture_of(const Contender& contender, Effect effect, const Truth& truth) {
-    if (effect == Effect::occlusion) {
-        return {contender.read(DGB_AO, GL_RED), truth.obscurance, nullptr, 1, 1.0, truth.surface};
+// What a composite would make of what the library shows, in the units of the truth.
+Pixels seen(const Pixels& shown, const Setting& setting, const Truth& truth) {
+    switch (setting.effect) {
+    case Effect::occlusion: return shown;
+    case Effect::light: return composited(shown, setting.coverage);
+    case Effect::mirror: break;
     }
-    if (effect == Effect::light) {
-        return {composited(contender.read(DGB_IRRADIANCE, GL_RGBA), contender.coverage()),
-                truth.both,
-                truth.irradiance,
-                3,
-                truth.mean_irradiance,
-                truth.surface};
+    return shown_in_mirrors(shown, truth);
+}
+
+Picture picture_of(const Contender& contender, const Truth& truth) {
+    const Setting& setting = contender.setting();
+    Pixels value = seen(contender.shown(), setting, truth);
+    if (setting.effect == Effect::occlusion) {
+        return {std::move(value), truth.obscurance, nullptr, 1, 1.0, truth.surface};
+    }
+    if (setting.effect == Effect::light) {
+        return {std::move(value), truth.both, truth.irradiance, 3, truth.mean_irradiance, truth.surface};
     }
     Pixels radiance;
     double sum = 0.0;
@@ -420,12 +340,7 @@ Picture picture_of(const Contender& contender, Effect effect, const Truth& truth
         sum += truth.mirrors[i] ? double(rgb.x + rgb.y + rgb.z) / 3.0 : 0.0;
     }
     const auto count = double(std::count(truth.mirrors.begin(), truth.mirrors.end(), true));
-    return {shown_in_mirrors(contender.read(DGB_REFLECTION, GL_RGBA), truth),
-            radiance,
-            nullptr,
-            3,
-            sum / std::max(count, 1.0),
-            truth.mirrors};
+    return {std::move(value), radiance, nullptr, 3, sum / std::max(count, 1.0), truth.mirrors};
 }
 
 // Share of the mirrored pixels whose hit is not where the true one is.
@@ -475,33 +390,76 @@ void fill_errors(const Picture& p, const Plan& plan, const Truth& truth, Row* ro
     row->measures[kRmseBorder] = rmse_of(p, both_of(p.mask, truth.border));
 }
 
-Row measure(Stage* stage, const Plan& plan, const Truth& truth, const Setting& setting, Row row) {
-    Contender contender(stage, plan, setting);
-    Contender baseline(stage, plan, preset_setting(setting.effect, DGB_PRESET_BALANCED));
-    std::vector<double> ratios, ratios_built;
-    contender.shade();
-    baseline.shade();
-    for (int turn = 0; turn < plan.turns; ++turn) {
-        const double own = contender.shade(), base = baseline.shade();
-        ratios.push_back(own / base);
-        ratios_built.push_back((own + contender.build_ms()) / (base + baseline.build_ms()));
+// The picture of the frame before, where it shows the same surface: bilinear, of texels whose surfaces lie in the plane of the
+// point, within a hundredth of its distance; less than half of the weights is not a place to compare with.
+bool sample_before(const Snapshot& before, const Pixels& picture, size_t channels, const ReferenceView& view,
+                   const SurfacePoint& point, float value[3]) {
+    const glm::vec4 clip = view.projection * before.view * glm::vec4(point.position, 1.0f);
+    const glm::vec2 size(view.width, view.height);
+    const glm::vec2 at = (glm::vec2(clip) / clip.w * 0.5f + 0.5f) * size - 0.5f, low = glm::floor(at), part = at - low;
+    float total = 0.0f;
+    std::fill_n(value, channels, 0.0f);
+    for (int i = 0; i < 4; ++i) {
+        const glm::ivec2 corner(i & 1, i >> 1), texel = glm::ivec2(low) + corner;
+        if (texel.x < 0 || texel.y < 0 || texel.x >= view.width || texel.y >= view.height) { continue; }
+        const size_t index = size_t(texel.y) * size_t(view.width) + size_t(texel.x);
+        const SurfacePoint& there = before.points[index];
+        const bool same = there.normal != glm::vec3(0.0f) &&
+                          std::abs(glm::dot(point.normal, there.position - point.position)) <= 0.01f * clip.w;
+        const float weight = (corner.x != 0 ? part.x : 1.0f - part.x) * (corner.y != 0 ? part.y : 1.0f - part.y);
+        if (!same) { continue; }
+        for (size_t c = 0; c < channels; ++c) { value[c] += weight * picture[index * channels + c]; }
+        total += weight;
     }
-    const Picture picture = picture_of(contender, setting.effect, truth);
+    for (size_t c = 0; c < channels; ++c) { value[c] /= std::max(total, 0.5f); }
+    return clip.w > 0.0f && total >= 0.5f;
+}
+
+// How much a surface changes from the last frame but one to the last, on average, which should not be at all.
+double change_of(const Contender& contender, const Picture& p, const Stage& stage, const Truth& truth) {
+    const Snapshot& before = contender.before();
+    if (before.picture.empty()) { return 0.0; }
+    const Pixels picture = seen(before.picture, contender.setting(), truth);
+    double sum = 0.0;
+    int64_t count = 0;
+    for (size_t i = 0; i < stage.points().size(); ++i) {
+        float value[3];
+        if (!p.mask[i] || !sample_before(before, picture, p.channels, stage.view(), stage.points()[i], value)) {
+            continue;
+        }
+        for (size_t c = 0; c < p.channels; ++c) { sum += double(std::abs(p.value[i * p.channels + c] - value[c])); }
+        count += int64_t(p.channels);
+    }
+    return sum / double(std::max<int64_t>(count, 1)) / p.unit;
+}
+
+Row measure(Stage* stage, const Plan& plan, const Truth& truth, const Setting& setting, Contender* baseline, Row row) {
+    Contender contender(stage, setting);
+    contender.run();
+    const Picture picture = picture_of(contender, truth);
     fill_errors(picture, plan, truth, &row);
+    row.measures[kChange] = change_of(contender, picture, *stage, truth);
     if (setting.effect == Effect::occlusion) {
         row.measures[kRmseCosine] = measure_error(picture.value, truth.visibility, 1, truth.surface).rmse;
     }
     if (setting.effect == Effect::mirror) { row.measures[kWrong] = wrong_hits(contender, *stage, truth); }
-    row.measures[kCost] = median(ratios);
-    row.measures[kCostBuilt] = median(ratios_built);
     row.measures[kBytes] = contender.bytes();
     row.measures[kTexels] = texels_of(setting);
+
+    std::vector<double> ratios, ratios_built;
+    contender.shade();
+    baseline->shade();
+    for (int turn = 0; turn < plan.turns; ++turn) {
+        const double own = contender.shade(), base = baseline->shade();
+        ratios.push_back(own / base);
+        ratios_built.push_back((own + contender.build_ms()) / (base + baseline->build_ms()));
+    }
+    row.measures[kCost] = median(ratios);
+    row.measures[kCostBuilt] = median(ratios_built);
     return row;
 }
 
 // ---- Fronts and answers ---------------------------------------------------------------------------------
-
-bool same_contest(const Row& a, const Row& b) { return a.scene == b.scene && a.size == b.size && a.effect == b.effect; }
 
 void mark_fronts(std::vector<Row>* rows) {
     for (Row& row : *rows) {
@@ -515,19 +473,25 @@ void mark_fronts(std::vector<Row>* rows) {
 
 void write_csv(const std::vector<Row>& rows) {
     const File csv = open_result("trade.csv", "w");
-    std::string head = "scene,size,effect,around,varied,setting";
+    std::string head = "scene,view,size,effect,frames,camera,around,varied,setting";
     for (const char* measure : kMeasures) { head += std::string(",") + measure; }
     std::fprintf(csv.get(), "%s,front\n", head.c_str());
     for (const Row& row : rows) { std::fprintf(csv.get(), "%s,%d\n", text_of(row).c_str(), int(row.on_front)); }
 }
 
-// Of every contest in which both settings were measured: the ratio to the BALANCED preset, geometric mean of the scenes.
+// Of every contest in which both settings were measured: ratios to the BALANCED preset, geometric mean of the scenes; of costs,
+// to those of its first frame.
 struct Worth {
-    double error = 0.0, cost = 0.0, cost_built = 0.0; // logarithms, summed
+    double error = 0.0, silhouette = 0.0, change = 0.0, cost = 0.0, cost_built = 0.0; // logarithms, summed
     int scenes = 0;
 
     void add(const Row& row, const Row& base) {
-        error += std::log(std::max(row.measures[kRmse], 1e-9) / std::max(base.measures[kRmse], 1e-9));
+        const auto ratio = [&](Measure m) {
+            return std::log(std::max(row.measures[m], 1e-9) / std::max(base.measures[m], 1e-9));
+        };
+        error += ratio(kRmse);
+        silhouette += ratio(kRmseSilhouette);
+        change += ratio(kChange);
         cost += std::log(row.measures[kCost]);
         cost_built += std::log(row.measures[kCostBuilt]);
         ++scenes;
@@ -535,6 +499,10 @@ struct Worth {
     double of(double sum) const { return std::exp(sum / double(std::max(scenes, 1))); }
 };
 
+// The condition of most settings.
+bool is_first_frame(const Row& row) { return row.frames == "1" && row.camera == "moving"; }
+
+// Where the preset stands in a contest.
 const Row* preset_row(const std::vector<Row>& rows, const Row& of) {
     const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
         return same_contest(row, of) && row.around == "balanced" && row.varied.empty();
@@ -542,23 +510,50 @@ const Row* preset_row(const std::vector<Row>& rows, const Row& of) {
     return found != rows.end() ? &*found : nullptr;
 }
 
-void print_worth(const std::vector<Row>& rows, Effect effect) {
-    std::vector<std::pair<std::string, Worth>> worths; // in the order of the settings
+// And where its first frame does, with a moving camera.
+const Row* first_frame(const std::vector<Row>& rows, Row of) {
+    of.frames = "1";
+    of.camera = "moving";
+    return preset_row(rows, of);
+}
+
+using Worths = std::vector<std::pair<std::string, Worth>>; // in the order of the settings
+
+Worth& worth_of(Worths* worths, const std::string& name) {
+    const auto found = std::find_if(worths->begin(), worths->end(), [&](const auto& w) { return w.first == name; });
+    return found != worths->end() ? found->second : worths->emplace_back(name, Worth{}).second;
+}
+
+void print_worth(const std::vector<Row>& rows, Effect effect, const Row& contest) {
+    Worths worths;
+    Worth own; // of the preset, to its first frame
     for (const Row& row : rows) {
-        const Row* base = preset_row(rows, row);
+        const Row *base = preset_row(rows, row), *first = first_frame(rows, row);
         const bool preset = row.varied.empty() && row.around != "random";
-        if (row.effect != name_of(effect) || base == nullptr || (row.around != "balanced" && !preset)) { continue; }
-        const std::string name = preset ? row.around : row.varied;
-        auto found = std::find_if(worths.begin(), worths.end(), [&](const auto& w) { return w.first == name; });
-        if (found == worths.end()) { found = worths.insert(worths.end(), {name, Worth{}}); }
-        found->second.add(row, *base);
+        const bool same = row.effect == name_of(effect) && row.frames == contest.frames && row.camera == contest.camera;
+        if (!same || base == nullptr || first == nullptr || (row.around != "balanced" && !preset)) { continue; }
+        if (&row == base) { own.add(row, *first); }
+        worth_of(&worths, preset ? row.around : row.varied).add(row, *base);
     }
-    std::printf("\n%s: RMSE and cost as ratios to BALANCED with two layers, geometric mean of the scenes\n    %-18s "
-                "%8s %8s %14s %7s\n",
-                name_of(effect), "", "RMSE", "cost", "cost, built", "scenes");
+    if (worths.empty()) { return; }
+    std::printf(
+        "\n%s, frame %s, camera %s: ratios to BALANCED with two layers, which errs by %.3f of its first frame under "
+        "a moving camera; geometric mean of the scenes\n    %-32s %8s %11s %8s %8s %14s %7s\n",
+        name_of(effect), contest.frames.c_str(), contest.camera.c_str(), own.of(own.error), "", "RMSE", "silhouettes",
+        "change", "cost", "cost, built", "scenes");
     for (const auto& [name, w] : worths) {
-        std::printf("    %-18s %8.3f %8.3f %14.3f %7d\n", name.c_str(), w.of(w.error), w.of(w.cost), w.of(w.cost_built),
-                    w.scenes);
+        std::printf("    %-32s %8.3f %11.3f %8.3f %8.3f %14.3f %7d\n", name.c_str(), w.of(w.error), w.of(w.silhouette),
+                    w.of(w.change), w.of(w.cost), w.of(w.cost_built), w.scenes);
+    }
+}
+
+// Of every condition under which something was measured.
+void print_worths(const std::vector<Row>& rows) {
+    for (const Effect effect : kEffects) {
+        std::set<std::string> seen;
+        for (const Row& row : rows) {
+            if (seen.insert(row.frames + row.camera).second) { print_worth(rows, effect, row); }
+        }
     }
 }
 
@@ -583,7 +578,7 @@ void print_layers(const std::vector<Row>& rows) {
     std::printf("\n");
     std::set<std::string> seen;
     for (const Row& row : rows) {
-        if (!seen.insert(row.scene + "," + row.effect).second) { continue; }
+        if (!is_first_frame(row) || !seen.insert(row.scene + "," + row.effect).second) { continue; }
         std::printf("    %-24s %-12s", row.scene.c_str(), row.effect.c_str());
         for (const double cost : costs) {
             const double two = best_within(rows, row, 2, cost), one = best_within(rows, row, 1, cost);
@@ -598,7 +593,7 @@ void print_presets(const std::vector<Row>& rows) {
     std::printf("\nthe presets\n    %-24s %-12s %-12s %9s %9s %8s %8s %9s %11s %8s %8s %6s\n", "scene", "effect",
                 "preset", "RMSE", "bias", "SSIM", "gain", "wrong", "silhouette", "border", "cost", "front");
     for (const Row& row : rows) {
-        if (!row.varied.empty() || row.around == "random") { continue; }
+        if (!row.varied.empty() || row.around == "random" || !is_first_frame(row)) { continue; }
         const auto& m = row.measures;
         std::printf("    %-24s %-12s %-12s %9.4f %+9.4f %8.3f %8.3f %8.1f%% %11.4f %8.4f %8.3f %6s\n",
                     row.scene.c_str(), row.effect.c_str(), row.around.c_str(), m[kRmse], m[kBias], m[kSsim], m[kGain],
@@ -609,7 +604,7 @@ void print_presets(const std::vector<Row>& rows) {
 // ---- Plot -----------------------------------------------------------------------------------------------
 
 // A row of panels an effect, one a scene: error over cost; the front is a line.
-void write_plot_script(const std::vector<std::string>& scenes) {
+void write_plot_script(const std::vector<NamedView>& scenes) {
     const File script = open_result("trade.gnuplot", "w");
     std::FILE* out = script.get();
     std::fprintf(out,
@@ -618,30 +613,30 @@ void write_plot_script(const std::vector<std::string>& scenes) {
                  "logscale xy\nset autoscale fix\nset offsets graph 0.05, graph 0.05, graph 0.25, graph 0.05\n"
                  "set key font ',9'\nset format y '%%.3g'\nset format x '%%.2g'\n",
                  std::max<size_t>(360 * scenes.size(), 480), scenes.size());
-    const int error = 7, cost = 7 + kCostBuilt, front = 7 + kMeasureCount; // columns, from 1
     for (const Effect effect : kEffects) {
-        for (const std::string& scene : scenes) {
-            const std::string mine = "strcol(1) eq '" + scene + "' && strcol(3) eq '" + name_of(effect) + "'";
+        for (const NamedView& scene : scenes) {
+            const std::string mine = "strcol('scene') eq '" + scene.name + "' && strcol('effect') eq '" +
+                                     name_of(effect) + "' && column('frames') == 1 && strcol('camera') eq 'moving'";
             const auto points = [&](const std::string& which) {
-                return "(" + mine + " && " + which + " ? $" + std::to_string(cost) + " : NaN):" + std::to_string(error);
+                return "(" + mine + " && " + which + " ? column('cost_built') : NaN):'rmse'";
             };
             std::fprintf(out,
                          "set title '%s, %s' noenhanced\nset xlabel 'cost, building included'\nset ylabel 'RMSE'\n",
-                         scene.c_str(), name_of(effect));
+                         scene.name.c_str(), name_of(effect));
             std::fprintf(
                 out,
                 "plot 'build/trade/trade.csv' using %s with points pt 7 ps 0.35 lc rgb '#d95f02' title '1 layer', "
                 "'' using %s with points pt 7 ps 0.35 lc rgb '#1b9e77' title '2 layers', "
                 "'' using %s with points pt 6 ps 0.8 lc rgb 'black' title 'front', "
-                "'' using %s:4 with labels offset 0, 0.7 font ',9' notitle\n",
-                points("strcol(6)[1:2] eq 'k1'").c_str(), points("strcol(6)[1:2] eq 'k2'").c_str(),
-                points("$" + std::to_string(front) + " > 0").c_str(),
-                points("strcol(5) eq '' && strcol(4) ne 'random'").c_str());
+                "'' using %s:'around' with labels offset 0, 0.7 font ',9' notitle\n",
+                points("strcol('setting')[1:2] eq 'k1'").c_str(), points("strcol('setting')[1:2] eq 'k2'").c_str(),
+                points("column('front') > 0").c_str(),
+                points("strcol('varied') eq '' && strcol('around') ne 'random'").c_str());
         }
     }
 }
 
-void plot(const std::vector<std::string>& scenes) {
+void plot(const std::vector<NamedView>& scenes) {
     write_plot_script(scenes);
     if (std::system("command -v gnuplot >/dev/null && gnuplot build/trade/trade.gnuplot") == 0) { // NOLINT
         std::printf("\nbuild/trade/trade.csv, build/trade/trade.svg\n");
@@ -653,28 +648,50 @@ void plot(const std::vector<std::string>& scenes) {
 
 // ---- Program --------------------------------------------------------------------------------------------
 
-std::string size_text(const Plan& plan) { return std::to_string(plan.width) + "x" + std::to_string(plan.height); }
-
-Row name_row(const Stage& stage, const Plan& plan, const Setting& setting) {
-    return {stage.name(), size_text(plan), name_of(setting.effect), setting.around, setting.varied, key_of(setting)};
+// File, without its folder, and camera; no commas.
+std::string view_text(const std::string& argument) {
+    const size_t at = std::min(argument.find('@'), argument.size());
+    const std::string file = at == 0 ? "atrium" : argument.substr(0, at);
+    std::string text = file.substr(file.find_last_of('/') + 1) + argument.substr(at);
+    std::replace(text.begin(), text.end(), ',', ' ');
+    return text;
 }
 
-void sweep(const std::string& argument, const Plan& plan, const std::vector<Setting>& settings, std::vector<Row>* rows,
-           std::vector<std::string>* scenes) {
-    Stage stage(argument, plan);
-    scenes->push_back(stage.name());
+std::string size_text(const Plan& plan) { return std::to_string(plan.width) + "x" + std::to_string(plan.height); }
+
+Row name_row(const NamedView& scene, const Plan& plan, const Setting& setting) {
+    return {scene.name,
+            scene.view,
+            size_text(plan),
+            name_of(setting.effect),
+            std::to_string(setting.condition.frames),
+            setting.condition.moving ? "moving" : "still",
+            setting.around,
+            setting.varied,
+            key_of(setting)};
+}
+
+// Everything that is not in `rows` yet goes there and, at once, into rows.csv.
+void sweep(const std::string& argument, const NamedView& scene, const Plan& plan, const std::vector<Setting>& settings,
+           std::vector<Row>* rows) {
     std::vector<Setting> missing;
     for (const Setting& setting : settings) {
-        if (find_row(*rows, name_row(stage, plan, setting)) == nullptr) { missing.push_back(setting); }
+        if (find_row(*rows, name_row(scene, plan, setting)) == nullptr) { missing.push_back(setting); }
     }
-    std::printf("%s, %s: %zu settings, %zu to measure\n", stage.name().c_str(), size_text(plan).c_str(),
-                settings.size(), missing.size());
+    std::printf("%s, %s: %zu settings, %zu to measure\n", scene.name.c_str(), size_text(plan).c_str(), settings.size(),
+                missing.size());
     std::fflush(stdout);
     if (missing.empty()) { return; }
+    Stage stage(argument, plan.width, plan.height);
     const Truth truth = trace_truth(stage, plan);
     const File file = open_result("rows.csv", "a");
+    std::map<Effect, Contender> baselines;
+    for (const Effect effect : kEffects) {
+        baselines.try_emplace(effect, &stage, preset_setting(effect, DGB_PRESET_BALANCED));
+    }
     for (size_t i = 0; i < missing.size(); ++i) {
-        rows->push_back(measure(&stage, plan, truth, missing[i], name_row(stage, plan, missing[i])));
+        rows->push_back(measure(&stage, plan, truth, missing[i], &baselines.at(missing[i].effect),
+                                name_row(scene, plan, missing[i])));
         std::fprintf(file.get(), "%s\n", text_of(rows->back()).c_str());
         std::fflush(file.get());
         if ((i + 1) % 50 == 0) {
@@ -685,13 +702,12 @@ void sweep(const std::string& argument, const Plan& plan, const std::vector<Sett
 }
 
 // In the order of the settings, whatever was measured when.
-std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<std::string>& scenes, const Plan& plan,
+std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<NamedView>& scenes, const Plan& plan,
                           const std::vector<Setting>& settings) {
     std::vector<Row> ordered;
-    for (const std::string& scene : scenes) {
+    for (const NamedView& scene : scenes) {
         for (const Setting& setting : settings) {
-            Row wanted{scene,          size_text(plan), name_of(setting.effect),
-                       setting.around, setting.varied,  key_of(setting)};
+            Row wanted = name_row(scene, plan, setting);
             if (const Row* row = find_row(rows, wanted)) {
                 wanted.measures = row->measures;
                 ordered.push_back(std::move(wanted));
@@ -699,6 +715,19 @@ std::vector<Row> in_order(const std::vector<Row>& rows, const std::vector<std::s
         }
     }
     return ordered;
+}
+
+// The scenes' names, each once.
+std::vector<NamedView> name_views(const std::vector<std::string>& arguments) {
+    std::vector<NamedView> views;
+    std::vector<std::string> names;
+    for (const std::string& argument : arguments) {
+        const std::string view = view_text(argument);
+        names.push_back(view.substr(0, view.find('@')));
+        tell_from({names.begin(), names.end() - 1}, &names.back());
+        views.push_back({names.back(), view});
+    }
+    return views;
 }
 
 Plan parse(const std::vector<std::string>& words) {
@@ -794,9 +823,10 @@ void run(const Options& options) {
     const std::vector<Setting> settings = plan.budget  ? budget_settings()
                                           : plan.quick ? few_settings()
                                                        : all_settings(plan.random_count, plan.seed);
+    const std::vector<NamedView> scenes = name_views(plan.scenes);
     std::vector<Row> rows = read_rows("build/trade/rows.csv");
-    std::vector<std::string> scenes;
-    for (const std::string& scene : plan.scenes) { sweep(scene, plan, settings, &rows, &scenes); }
+    write_rows("rows.csv", rows); // without a line that was cut off, which the next would go on
+    for (size_t i = 0; i < scenes.size(); ++i) { sweep(plan.scenes[i], scenes[i], plan, settings, &rows); }
     std::vector<Row> ordered = in_order(rows, scenes, plan, settings);
     if (plan.budget) {
         write_budget(ordered, settings);
@@ -806,7 +836,7 @@ void run(const Options& options) {
     write_csv(ordered);
     print_presets(ordered);
     print_layers(ordered);
-    for (const Effect effect : kEffects) { print_worth(ordered, effect); }
+    print_worths(ordered);
     plot(scenes);
 }
 
