@@ -2157,11 +2157,11 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_packed_outputs(pass, true, w->radiance, w->layers);
 }
 
-/* Occlusion taps read z alone; radiosity reads everything at every level. */
+/* Occlusion taps read z alone; radiosity reads everything at every level. The programs here and below do not depend on the
+   size, even where a small one leaves some of them no pass: dgb_resize keeps them. */
 static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
-    int program, level, i;
-    if (plan->levels == 1) return;
-    program = dgbi_add_program(plan, DGB_PASS_MIP);
+    const int program = dgbi_add_program(plan, DGB_PASS_MIP);
+    int level, i;
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
     for (level = 1; level < plan->levels; ++level) {
@@ -2314,7 +2314,7 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_pl
 static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     const int levels = dgbi_range_levels(plan), first = plan->program_count;
     int level;
-    for (level = 0; level < dgbi_min(levels, 2); ++level) {
+    for (level = 0; level < 2; ++level) {
         dgbi_add_program(plan, DGB_PASS_RANGE);
         dgbi_add_define(plan, "DGB_RANGE_STEP", level);
     }
@@ -2815,19 +2815,18 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
-/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
+/* From this frame's camera space to last frame's; the identity, exactly, for equal views, and where floats hold no other. */
 static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
     double inverse[12], affine[12], change[12];
-    int row, column;
-    const bool same = dgbi_same_bits(now, last, 16);
+    bool valid = !dgbi_same_bits(now, last, 16) && dgbi_invert_affine(now, inverse);
+    int row, column, i;
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) {
-            affine[column * 3 + row] = (double)last[column * 4 + row];
-            change[column * 3 + row] = column == row ? 1.0 : 0.0;
-        }
-    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)last[column * 4 + row];
+    if (valid) dgbi_multiply_affine(affine, inverse, change);
+    for (i = 0; valid && i < 12; ++i) valid = dgbi_is_finite((float)change[i]);
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
+        for (row = 0; row < 3; ++row)
+            rows[row][column] = valid ? (float)change[column * 3 + row] : column == row ? 1.0f : 0.0f;
 }
 
 /* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
