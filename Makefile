@@ -1,6 +1,6 @@
 # deepgbuffer: two single-header libraries, their examples and their tests. `make help` lists the targets.
 #
-# Sources are found by name: a new tests/unit/test_NAME.c or examples/NAME.c needs no change here.
+# Sources are found by name: a new tests/unit/test_NAME.c or examples/integrations/NAME.c needs no change here.
 
 config ?= release
 B := build/$(config)
@@ -22,14 +22,15 @@ flags := $(flags_$(config))
 $(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl epoxy glfw3 imgui cmocka glm CLI11 stb tinygltf vulkan
+packages := egl epoxy glfw3 sdl2 imgui cmocka glm CLI11 stb tinygltf vulkan
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
 vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
 imgui := $(shell pkg-config --exists imgui 2>/dev/null && echo imgui)
+sdl2 := $(shell pkg-config --exists sdl2 2>/dev/null && echo sdl2)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
-CPPFLAGS += -I. -Iexamples -Itests/support -Itests/reference -Itests/bench $(third_party)
+CPPFLAGS += -I. -Iexamples -Iexamples/integrations -Itests/support -Itests/reference -Itests/bench $(third_party)
 CFLAGS   := -std=c99 -pedantic $(warnings) -ffp-contract=off $(flags)
 CXXFLAGS := -std=c++17 $(warnings) -ffp-contract=off $(flags)
 export CC CXX
@@ -37,13 +38,16 @@ export CC CXX
 # >> sources and programs
 
 objects = $(patsubst %,$(B)/obj/%.o,$(basename $(1)))
-program_names = $(basename $(notdir $(1)))
+programs = $(patsubst examples/%,$(B)/%,$(basename $(1)))
 
 # What several programs share is an archive: a program takes in only the parts it uses.
 example_parts   := $(sort $(wildcard examples/scene*.cpp) $(wildcard examples/image.cpp examples/headless.c))
 viewer_sources  := $(wildcard examples/viewer*.cpp)
 example_sources := $(filter-out $(example_parts) $(viewer_sources),$(wildcard examples/*.c examples/*.cpp))
-examples        := $(addprefix $(B)/,$(call program_names,$(example_sources)) $(if $(imgui),viewer))
+integration_parts   := examples/headless.c $(addprefix examples/integrations/,engine.c rhi_gl.c rhi_shaders.c)
+integration_sources := $(filter-out $(integration_parts) $(if $(sdl2),,%/sdl2.c),$(wildcard examples/integrations/*.c*))
+integrations    := $(call programs,$(integration_sources))
+examples        := $(call programs,$(example_sources)) $(integrations) $(if $(imgui),$(B)/viewer)
 support         := $(wildcard tests/support/*.c)
 reference       := $(filter-out tests/reference/test_%,$(wildcard tests/reference/*.cpp))
 
@@ -116,6 +120,7 @@ check-reference: reference-tests ## the tests of the ray-traced reference
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")
+	@$(if $(sdl2),:,echo "examples: integrations/sdl2 left out: SDL2 is missing (Debian, Ubuntu: libsdl2-dev)")
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
@@ -138,9 +143,9 @@ embed-check: build/embed ## fail when deepgbuffer_gl.h differs from shaders_embe
 shaders-check: ## validate every shader variant with glslangValidator
 	@tests/run $(shader_tests)
 
-our_c   := $(wildcard examples/*.c tests/*/*.c shaders_embedded/*.c)
-our_cpp := $(wildcard examples/*.cpp tests/*/*.cpp)
-our_h   := $(wildcard *.h examples/*.h examples/*.hpp tests/*/*.h tests/*/*.hpp)
+our_c   := $(wildcard examples/*.c examples/*/*.c tests/*/*.c shaders_embedded/*.c)
+our_cpp := $(wildcard examples/*.cpp examples/*/*.cpp tests/*/*.cpp)
+our_h   := $(wildcard *.h examples/*.h examples/*/*.h examples/*.hpp tests/*/*.h tests/*/*.hpp)
 
 format: ## fail when a source is not formatted
 	@clang-format --dry-run -Werror $(our_h) $(our_c) $(our_cpp)
@@ -149,7 +154,7 @@ format-fix: ## format the sources
 	@clang-format -i $(our_h) $(our_c) $(our_cpp)
 
 tidy: ## run clang-tidy on the headers, the examples and the tests
-	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%),$(our_c)) -- -std=c99 $(CPPFLAGS))
+	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%) $(if $(sdl2),,%/sdl2.c),$(our_c)) -- -std=c99 $(CPPFLAGS))
 	@$(if $(our_cpp),clang-tidy --quiet $(filter-out $(if $(imgui),,$(viewer_sources)),$(our_cpp)) -- -std=c++17 $(CPPFLAGS))
 
 clean: ## remove build/
@@ -181,6 +186,7 @@ gltf := tinygltf $(shell pkg-config --exists stb && echo stb)
 endif
 
 $(B)/examples.a: $(call objects,$(example_parts))
+$(B)/integrations.a: $(call objects,$(integration_parts))
 $(B)/support.a: $(call objects,$(support))
 $(B)/reference.a: $(call objects,$(reference))
 $(B)/%.a:
@@ -189,8 +195,8 @@ $(B)/%.a:
 
 link = @$(1) $(flags) $(LDFLAGS) $^ $(call libs,$(2)) -o $@
 
-c_examples   := $(addprefix $(B)/,$(call program_names,$(filter %.c,$(example_sources))))
-cpp_examples := $(addprefix $(B)/,$(call program_names,$(filter %.cpp,$(example_sources))))
+c_examples   := $(call programs,$(filter %.c,$(example_sources)))
+cpp_examples := $(call programs,$(filter %.cpp,$(example_sources)))
 
 $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
@@ -199,6 +205,10 @@ $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 $(cpp_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),egl epoxy $(gltf))
+
+$(integrations): $(B)/%: $(B)/obj/examples/%.o $(B)/integrations.a
+	$(call say,link)
+	$(call link,$(CXX),egl epoxy $(sdl2))
 
 $(B)/viewer: $(call objects,$(viewer_sources)) $(B)/examples.a
 	$(call say,link)
