@@ -62,7 +62,7 @@ benchmarks := $(patsubst %,$(B)/%,$(basename $(wildcard tests/bench/*.c tests/be
 reference_tests       = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/reference/test_*.cpp))
 reference_benchmarks := $(patsubst %.cpp,$(B)/%,$(shell grep -l '"reference.hpp"' tests/bench/*.cpp))
 
-source_tests  := tests/compile/compile.sh tests/shaders/embed.sh
+source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
 example_tests := $(wildcard tests/examples/*.sh)
@@ -70,7 +70,7 @@ example_tests := $(wildcard tests/examples/*.sh)
 # >> targets
 
 .PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests trade budget embed embed-check shaders-check format format-fix tidy clean
+        gpu-tests reference-tests trade budget install uninstall embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -133,6 +133,33 @@ trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="
 
 budget: $(B)/trade ## measure the settings of which dgb_preset_for picks, and write its table; SCENES="FILE@CAMERA ..."
 	@$< --budget $(SCENES)
+
+# Where `make install` puts what, below DESTDIR. The headers are the same for every machine, and so is what says where they are.
+prefix     ?= /usr/local
+includedir  = $(prefix)/include
+pkgconfigdir = $(prefix)/share/pkgconfig
+headers    := deepgbuffer.h deepgbuffer_gl.h
+version     = $(shell sed -n 's/^\#define DGB_VERSION_STRING "\(.*\)"/\1/p' deepgbuffer.h)
+
+define pkg_config_file
+includedir=$(includedir)
+
+Name: deepgbuffer
+Description: Layered G-buffers and the shading they make possible: single-header libraries
+Version: $(version)
+Cflags: -I$${includedir}
+Libs: -lm
+endef
+
+install: export text = $(pkg_config_file)
+install: ## copy the headers and a pkg-config file below prefix=/usr/local (and DESTDIR)
+	@install -d '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
+	@install -m 644 $(headers) '$(DESTDIR)$(includedir)'
+	@echo "$$text" >'$(DESTDIR)$(pkgconfigdir)/deepgbuffer.pc'
+
+uninstall: ## remove them again; give the same prefix and DESTDIR
+	@cd '$(DESTDIR)$(includedir)' && rm -f $(headers)
+	@rm -f '$(DESTDIR)$(pkgconfigdir)/deepgbuffer.pc'
 
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))

@@ -237,6 +237,7 @@ extern "C" {
 #define DGB_VERSION_MAJOR 0
 #define DGB_VERSION_MINOR 1
 #define DGB_VERSION_PATCH 0
+#define DGB_VERSION_STRING "0.1.0"
 #define DGB_VERSION (DGB_VERSION_MAJOR * 10000 + DGB_VERSION_MINOR * 100 + DGB_VERSION_PATCH)
 
 /* --- limits ------------------------------------------------------------------------------------------------------ */

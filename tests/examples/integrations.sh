@@ -27,8 +27,8 @@ no_name_outside() {
 }
 knows_no_gl() { ! grep -nE '(^|[^A-Za-z])(gl[A-Z_]|GL|dgbgl|epoxy|engine_program)' "$1"; }
 
-# source NAME LINES: the most that it may promise
-source() {
+# uses NAME LINES: the most that it may promise
+uses() {
     check "$1 says how to build, to run and what to copy" says_how "$(source_of "$1")"
     check "$1 uses the library in $2 lines"               is_short "$(source_of "$1")" "$2"
     if [ "$1" != raii ]; then
@@ -36,12 +36,12 @@ source() {
     fi
 }
 
-source ao_depth 30
-source raw_gl 60
-source sdl2 30
-source gles3 60
-source custom_rhi 100
-source raii 50
+uses ao_depth 30
+uses raw_gl 60
+uses sdl2 30
+uses gles3 60
+uses custom_rhi 100
+uses raii 50
 check "custom_rhi.c knows no OpenGL" knows_no_gl examples/integrations/custom_rhi.c
 
 # >> pictures: P6, 960 x 540
