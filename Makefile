@@ -1,6 +1,6 @@
 # deepgbuffer: two single-header libraries, their examples and their tests. `make help` lists the targets.
 #
-# Sources are found by name: a new tests/unit/test_NAME.c or examples/NAME.c needs no change here.
+# Sources are found by name: a new tests/unit/test_NAME.c or examples/integrations/NAME.c needs no change here.
 
 config ?= release
 B := build/$(config)
@@ -29,14 +29,15 @@ CXX := clang++
 endif
 
 # Third-party headers come in as system headers: their warnings are not ours.
-packages := egl epoxy glfw3 imgui cmocka glm CLI11 stb tinygltf vulkan
+packages := egl epoxy glfw3 sdl2 imgui cmocka glm CLI11 stb tinygltf vulkan
 third_party := $(patsubst -I%,-isystem %,$(foreach p,$(packages),$(shell pkg-config --cflags-only-I $(p) 2>/dev/null)))
 vulkan := $(shell pkg-config --exists vulkan 2>/dev/null && echo vulkan)
 imgui := $(shell pkg-config --exists imgui 2>/dev/null && echo imgui)
+sdl2 := $(shell pkg-config --exists sdl2 2>/dev/null && echo sdl2)
 libs = $(if $(1),$(shell pkg-config --libs $(1))) -lm
 
 warnings := -Wall -Wextra -Wshadow -Wconversion -Werror
-CPPFLAGS += -I. -Iexamples -Itests/support -Itests/reference -Itests/bench $(third_party)
+CPPFLAGS += -I. -Iexamples -Iexamples/integrations -Itests/support -Itests/reference -Itests/bench $(third_party)
 CFLAGS   := -std=c99 -pedantic $(warnings) -ffp-contract=off $(flags)
 CXXFLAGS := -std=c++17 $(warnings) -ffp-contract=off $(flags)
 export CC CXX
@@ -44,13 +45,16 @@ export CC CXX
 # >> sources and programs
 
 objects = $(patsubst %,$(B)/obj/%.o,$(basename $(1)))
-program_names = $(basename $(notdir $(1)))
+programs = $(patsubst examples/%,$(B)/%,$(basename $(1)))
 
 # What several programs share is an archive: a program takes in only the parts it uses.
 example_parts   := $(sort $(wildcard examples/scene*.cpp) $(wildcard examples/image.cpp examples/headless.c))
 viewer_sources  := $(wildcard examples/viewer*.cpp)
 example_sources := $(filter-out $(example_parts) $(viewer_sources),$(wildcard examples/*.c examples/*.cpp))
-examples        := $(addprefix $(B)/,$(call program_names,$(example_sources)) $(if $(imgui),viewer))
+integration_parts   := examples/headless.c $(addprefix examples/integrations/,engine.c rhi_gl.c rhi_shaders.c)
+integration_sources := $(filter-out $(integration_parts) $(if $(sdl2),,%/sdl2.c),$(wildcard examples/integrations/*.c*))
+integrations    := $(call programs,$(integration_sources))
+examples        := $(call programs,$(example_sources)) $(integrations) $(if $(imgui),$(B)/viewer)
 support         := $(wildcard tests/support/*.c)
 reference       := $(filter-out tests/reference/test_%,$(wildcard tests/reference/*.cpp))
 
@@ -73,7 +77,7 @@ fuzz_targets = $(patsubst %,build/$(1)/%,$(basename $(wildcard tests/fuzz/fuzz_*
 fuzzer       = $(shell echo 'int LLVMFuzzerTestOneInput(void) { return 0; }' | \
     clang -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
 
-source_tests  := tests/compile/compile.sh tests/shaders/embed.sh
+source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
 fuzz_tests    := tests/fuzz/fuzz.sh
@@ -82,7 +86,8 @@ example_tests := $(wildcard tests/examples/*.sh)
 # >> targets
 
 .PHONY: all help setup demo test check check-core check-gl check-reference examples bench fuzz gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests scene-tests fuzz-targets trade budget embed embed-check shaders-check format format-fix tidy clean
+        gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
+        format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -133,6 +138,7 @@ check-reference: reference-tests ## the tests of the ray-traced reference
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")
+	@$(if $(sdl2),:,echo "examples: integrations/sdl2 left out: SDL2 is missing (Debian, Ubuntu: libsdl2-dev)")
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
@@ -152,6 +158,33 @@ trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="
 budget: $(B)/trade ## measure the settings of which dgb_preset_for picks, and write its table; SCENES="FILE@CAMERA ..."
 	@$< --budget $(SCENES)
 
+# Where `make install` puts what, below DESTDIR. The headers are the same for every machine, and so is what says where they are.
+prefix     ?= /usr/local
+includedir  = $(prefix)/include
+pkgconfigdir = $(prefix)/share/pkgconfig
+headers    := deepgbuffer.h deepgbuffer_gl.h
+version     = $(shell sed -n 's/^\#define DGB_VERSION_STRING "\(.*\)"/\1/p' deepgbuffer.h)
+
+define pkg_config_file
+includedir=$(includedir)
+
+Name: deepgbuffer
+Description: Layered G-buffers and the shading they make possible: single-header libraries
+Version: $(version)
+Cflags: -I$${includedir}
+Libs: -lm
+endef
+
+install: export text = $(pkg_config_file)
+install: ## copy the headers and a pkg-config file below prefix=/usr/local (and DESTDIR)
+	@install -d '$(DESTDIR)$(includedir)' '$(DESTDIR)$(pkgconfigdir)'
+	@install -m 644 $(headers) '$(DESTDIR)$(includedir)'
+	@echo "$$text" >'$(DESTDIR)$(pkgconfigdir)/deepgbuffer.pc'
+
+uninstall: ## remove them again; give the same prefix and DESTDIR
+	@cd '$(DESTDIR)$(includedir)' && rm -f $(headers)
+	@rm -f '$(DESTDIR)$(pkgconfigdir)/deepgbuffer.pc'
+
 embed: build/embed ## write shaders_embedded/*.glsl into deepgbuffer_gl.h
 	@build/embed deepgbuffer_gl.h $(sort $(wildcard shaders_embedded/*.glsl))
 
@@ -161,9 +194,9 @@ embed-check: build/embed ## fail when deepgbuffer_gl.h differs from shaders_embe
 shaders-check: ## validate every shader variant with glslangValidator
 	@tests/run $(shader_tests)
 
-our_c   := $(wildcard examples/*.c tests/*/*.c shaders_embedded/*.c)
-our_cpp := $(wildcard examples/*.cpp tests/*/*.cpp)
-our_h   := $(wildcard *.h examples/*.h examples/*.hpp tests/*/*.h tests/*/*.hpp)
+our_c   := $(wildcard examples/*.c examples/*/*.c tests/*/*.c shaders_embedded/*.c)
+our_cpp := $(wildcard examples/*.cpp examples/*/*.cpp tests/*/*.cpp)
+our_h   := $(wildcard *.h examples/*.h examples/*/*.h examples/*.hpp tests/*/*.h tests/*/*.hpp)
 
 format: ## fail when a source is not formatted
 	@clang-format --dry-run -Werror $(our_h) $(our_c) $(our_cpp)
@@ -172,7 +205,7 @@ format-fix: ## format the sources
 	@clang-format -i $(our_h) $(our_c) $(our_cpp)
 
 tidy: ## run clang-tidy on the headers, the examples and the tests
-	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%),$(our_c)) -- -std=c99 $(CPPFLAGS))
+	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%) $(if $(sdl2),,%/sdl2.c),$(our_c)) -- -std=c99 $(CPPFLAGS))
 	@$(if $(our_cpp),clang-tidy --quiet $(filter-out $(if $(imgui),,$(viewer_sources)),$(our_cpp)) -- -std=c++17 $(CPPFLAGS))
 
 clean: ## remove build/
@@ -206,6 +239,7 @@ gltf := tinygltf $(shell pkg-config --exists stb && echo stb)
 endif
 
 $(B)/examples.a: $(call objects,$(example_parts))
+$(B)/integrations.a: $(call objects,$(integration_parts))
 $(B)/support.a: $(call objects,$(support))
 $(B)/reference.a: $(call objects,$(reference))
 $(B)/%.a:
@@ -214,8 +248,8 @@ $(B)/%.a:
 
 link = @$(1) $(flags) $(LDFLAGS) $^ $(call libs,$(2)) -o $@
 
-c_examples   := $(addprefix $(B)/,$(call program_names,$(filter %.c,$(example_sources))))
-cpp_examples := $(addprefix $(B)/,$(call program_names,$(filter %.cpp,$(example_sources))))
+c_examples   := $(call programs,$(filter %.c,$(example_sources)))
+cpp_examples := $(call programs,$(filter %.cpp,$(example_sources)))
 
 $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
@@ -224,6 +258,10 @@ $(c_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 $(cpp_examples): $(B)/%: $(B)/obj/examples/%.o $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),egl epoxy $(gltf))
+
+$(integrations): $(B)/%: $(B)/obj/examples/%.o $(B)/integrations.a
+	$(call say,link)
+	$(call link,$(CXX),egl epoxy $(sdl2))
 
 $(B)/viewer: $(call objects,$(viewer_sources)) $(B)/examples.a
 	$(call say,link)

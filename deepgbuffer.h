@@ -30,7 +30,7 @@
        dgb_shade(&dgb, &q);                                   occlusion and bounced light
        ...composite with dgb_get_texture(&dgb, DGB_AO) and dgb_get_texture(&dgb, DGB_IRRADIANCE)
    With a depth buffer of your own and nothing else: set desc.source = DGB_SOURCE_ENGINE, call dgb_set_layers instead of
-   dgb_build. examples/minimal.c is a whole program; examples/ao_from_depth.c is the shortest use.
+   dgb_build. examples/minimal.c is a whole program; examples/integrations/ is to copy from, ao_depth.c being the shortest.
 
    STEP BY STEP
        1 init       Fill a dgb_desc (0 = default), call dgb_init. What was chosen is in context.plan.
@@ -182,7 +182,7 @@
        viewport, clearing, depth direction. Layered passes (LAYERS, BACK, PREDICT) draw with the depth test on; WARP and
        RESOLVE write depth from a full-screen triangle; the others have no depth. caps.emission says what the backend
        can do; SEPARATE is enough.
-       tests/support/record_backend.c is a backend without a device.
+       examples/integrations/custom_rhi.c is one to start from, tests/support/record_backend.c one without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
        function                 domain             error                        at 0, NaN, infinity, out of range
@@ -245,6 +245,7 @@ extern "C" {
 #define DGB_VERSION_MAJOR 0
 #define DGB_VERSION_MINOR 1
 #define DGB_VERSION_PATCH 0
+#define DGB_VERSION_STRING "0.1.0"
 #define DGB_VERSION (DGB_VERSION_MAJOR * 10000 + DGB_VERSION_MINOR * 100 + DGB_VERSION_PATCH)
 
 /* --- limits ------------------------------------------------------------------------------------------------------ */

@@ -72,6 +72,15 @@
 extern "C" {
 #endif
 
+#define DGBGL_VERSION_MAJOR 0
+#define DGBGL_VERSION_MINOR 1
+#define DGBGL_VERSION_PATCH 0
+#define DGBGL_VERSION_STRING "0.1.0"
+#define DGBGL_VERSION (DGBGL_VERSION_MAJOR * 10000 + DGBGL_VERSION_MINOR * 100 + DGBGL_VERSION_PATCH)
+#if DGBGL_VERSION != DGB_VERSION
+#error "deepgbuffer.h and deepgbuffer_gl.h are of different versions: take both from one release"
+#endif
+
 #define DGBGL_MAX_FRAMEBUFFERS 48
 #define DGBGL_MAX_UNITS 14
 #define DGBGL_MAX_IMAGES 5
