@@ -174,7 +174,9 @@
            texture_create / texture_destroy, program_create / program_destroy        in dgb_init, dgb_resize, dgb_shutdown
            pass_begin, texture_bind*, uniforms_upload, draw_fullscreen, pass_end     a full-screen pass
            pass_begin, texture_bind*, uniforms_upload, <your draw callback>, pass_end   the layered pass
-       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. textures bound to a pass
+       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. When pass_begin returns an
+       error, nothing else of the call runs, but `end`, which tells of what the device refused without pass_begin's noticing:
+       of passes only, for whoever creates something tells of that itself. Textures bound to a pass
        are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
@@ -215,7 +217,8 @@
    ERRORS
        Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason is
        a dgb_log_item and one sentence, given to desc.log. A context that is null or not live gives DGB_INVALID and no
-       sentence: it has no log.
+       sentence: it has no log. A device that fails while dgb_build draws takes the layers with it, one that fails in dgb_shade
+       the history and the results: the next call starts afresh.
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
@@ -284,8 +287,8 @@ typedef enum dgb_result {
     DGB_OK = 0,
     DGB_INVALID,       /* an argument is wrong; nothing changed */
     DGB_UNSUPPORTED,   /* the backend cannot do it; nothing changed */
-    DGB_OUT_OF_MEMORY, /* the device has no room; nothing changed */
-    DGB_DEVICE         /* the device refused for another reason; nothing changed */
+    DGB_OUT_OF_MEMORY, /* the device has no room; nothing changed, unless while drawing (DGB_LOG_PASS) */
+    DGB_DEVICE         /* the device refused for another reason; likewise */
 } dgb_result;
 
 /* X(name, sentence): every reason a call can give. */
@@ -324,7 +327,8 @@ typedef enum dgb_result {
     X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
     X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")           \
     X(INPUT, "a texture that the plan reads was not given")                                                      \
-    X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
+    X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")    \
+    X(PASS, "the device failed while it drew: layers or results of this frame are lost")
 
 typedef enum dgb_log_item {
     DGB_LOG_NONE = 0,
@@ -808,13 +812,13 @@ typedef struct dgb_backend {
     int version; /* DGB_VERSION that it was written for */
     void* user;  /* first argument of every callback */
     dgb_caps caps;
-    void (*begin)(void* user); /* optional: save the host's state, set what every pass expects */
-    void (*end)(void* user);   /* optional: put it back */
+    void (*begin)(void* user);     /* optional: save the host's state, set what every pass expects */
+    dgb_result (*end)(void* user); /* optional: put it back, and tell what went wrong in the passes */
     dgb_result (*texture_create)(void* user, const dgb_texture_desc* desc, dgb_texture* texture);
     void (*texture_destroy)(void* user, dgb_texture texture);
     dgb_result (*program_create)(void* user, const dgb_program_desc* desc, dgb_program* program);
     void (*program_destroy)(void* user, dgb_program program);
-    void (*pass_begin)(void* user, const dgb_pass* pass);
+    dgb_result (*pass_begin)(void* user, const dgb_pass* pass);
     /* level >= 0: the pass reads that level only, and sees it as level 0; -1: all levels */
     void (*texture_bind)(void* user, dgb_slot slot, dgb_texture texture, int level);
     void (*uniforms_upload)(void* user, const void* std140, size_t size);
@@ -1047,6 +1051,7 @@ typedef struct dgb_context { /* yours to place; its members are the library's */
     dgb_pose pending;         /* DELAY: submitted, not drawn yet */
     dgb_camera camera;        /* of `drawn` */
     dgb_camera oracle_camera; /* that the depth for the next frame's keep test was drawn with */
+    dgb_result drawing;       /* what became of the passes of this call */
 } dgb_context;
 
 /* Creates every texture and program of the plan. All or nothing: on failure *context is as before. Do not call it on a
@@ -2442,9 +2447,7 @@ static void dgbi_begin(const dgb_backend* b) {
     if (b->begin) b->begin(b->user);
 }
 
-static void dgbi_end(const dgb_backend* b) {
-    if (b->end) b->end(b->user);
-}
+static dgb_result dgbi_end(const dgb_backend* b) { return b->end ? b->end(b->user) : DGB_OK; }
 
 /* All but the engine's own, which are only remembered. */
 static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
@@ -2521,7 +2524,7 @@ DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
             dgbi_destroy_textures(&c.backend, c.textures);
         }
     }
-    dgbi_end(&c.backend);
+    (void)dgbi_end(&c.backend);
     if (result != DGB_OK) return dgbi_fail(desc, result, item);
     c.initialised = DGBI_INITIALISED;
     *context = c;
@@ -2546,7 +2549,7 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
     dgbi_begin(&context->backend);
     result = dgbi_create_textures(&context->backend, &plan, textures);
     if (result == DGB_OK) dgbi_destroy_textures(&context->backend, context->textures);
-    dgbi_end(&context->backend);
+    (void)dgbi_end(&context->backend);
     if (result != DGB_OK) return dgbi_fail(&desc, result, DGB_LOG_TEXTURE);
     memcpy(context->textures, textures, sizeof textures);
     context->plan = plan;
@@ -2563,7 +2566,7 @@ DGB_API void dgb_shutdown(dgb_context* context) {
     dgbi_begin(&context->backend);
     dgbi_destroy_programs(&context->backend, context->programs);
     dgbi_destroy_textures(&context->backend, context->textures);
-    dgbi_end(&context->backend);
+    (void)dgbi_end(&context->backend);
     memset(context, 0, sizeof *context);
 }
 
@@ -2578,6 +2581,23 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
     if (c->backend.marker) c->backend.marker(c->backend.user, id, begin);
 }
 
+static void dgbi_begin_drawing(dgb_context* c) {
+    c->drawing = DGB_OK;
+    dgbi_begin(&c->backend);
+}
+
+static dgb_result dgbi_end_drawing(dgb_context* c) {
+    const dgb_result unnoticed = dgbi_end(&c->backend);
+    if (c->drawing == DGB_OK) c->drawing = unnoticed;
+    return c->drawing == DGB_OK ? DGB_OK : dgbi_fail(&c->desc, c->drawing, DGB_LOG_PASS);
+}
+
+/* False once the device has refused a pass of this call. */
+static bool dgbi_pass_begins(dgb_context* c, const dgb_pass* pass) {
+    if (c->drawing == DGB_OK) c->drawing = c->backend.pass_begin(c->backend.user, pass);
+    return c->drawing == DGB_OK;
+}
+
 /* Whether it writes the level that it is named for, and reads the one before. */
 static bool dgbi_writes_level(const dgb_plan_pass* pass) {
     return pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE;
@@ -2588,7 +2608,7 @@ static bool dgbi_is_depth_only(const dgb_plan_pass* pass) {
     return pass->id == DGB_PASS_BACK || pass->id == DGB_PASS_PREDICT;
 }
 
-static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
+static bool dgbi_begin_pass(dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id = plan_pass->id;
     pass->color_count = dgbi_is_depth_only(plan_pass) ? 0 : plan_pass->output_count;
@@ -2597,7 +2617,7 @@ static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass
         pass->colors[i].level = dgbi_writes_level(plan_pass) ? plan_pass->level : 0;
         pass->colors[i].layer = layer;
     }
-    c->backend.pass_begin(c->backend.user, pass);
+    return dgbi_pass_begins(c, pass);
 }
 
 static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
@@ -2672,7 +2692,7 @@ static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const 
 }
 
 /* One layered pass: all layers at once, or one. IMAGE emission rasterises the first and reaches the others by itself. */
-static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
+static void dgbi_layer_pass(dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
     const bool image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
     const int layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
     /* no quotient: with -ffast-math a whole width may come out a little less */
@@ -2696,7 +2716,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
         pass.key = c->textures[DGB_KEY];
         pass.key_layers = b->layers - 1;
     }
-    dgbi_begin_pass(c, b->plan_pass, &pass, layer);
+    if (!dgbi_begin_pass(c, b->plan_pass, &pass, layer)) return;
     if (b->plan_pass->input_count)
         c->backend.texture_bind(c->backend.user, DGB_ORACLE,
                                 c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->front : DGB_ORACLE], -1);
@@ -2706,7 +2726,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
     c->backend.pass_end(c->backend.user);
 }
 
-static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_submit(dgb_context* c, const dgbi_build* b) {
     dgb_draw draw;
     dgbi_marker(c, b->plan_pass->id, true);
     dgbi_fill_draw(c, b, &draw);
@@ -2729,7 +2749,7 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
 }
 
 /* IMAGE emission: the depth bits of each deeper layer become its depth. Layers that were peeled have it already. */
-static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_resolve(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
     dgb_pass pass;
     dgb_resolve_uniforms uniforms;
@@ -2745,7 +2765,7 @@ static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
         pass.width = (float)c->plan.width;
         pass.height = (float)c->plan.height;
         pass.clip = c->desc.clip;
-        c->backend.pass_begin(c->backend.user, &pass);
+        if (!dgbi_pass_begins(c, &pass)) break;
         dgbi_bind_inputs(c, plan_pass);
         uniforms.layer[0] = layer - 1;
         c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
@@ -2831,7 +2851,7 @@ static void dgbi_to_last(const float now[16], const float last[16], float rows[3
 }
 
 /* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
-static void dgbi_warp(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_warp(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_WARP);
     const int width = c->plan.width, height = c->plan.height;
     dgb_warp_uniforms u;
@@ -2855,7 +2875,7 @@ static void dgbi_warp(const dgb_context* c, const dgbi_build* b) {
         u.layer[1] = divisor;
         u.layer[2] = dgbi_units(2 * width - divisor, 2 * divisor) - 1; /* whose centre lies within the buffer */
         u.layer[3] = dgbi_units(2 * height - divisor, 2 * divisor) - 1;
-        c->backend.pass_begin(c->backend.user, &pass);
+        if (!dgbi_pass_begins(c, &pass)) break;
         dgbi_bind_inputs(c, plan_pass);
         c->backend.uniforms_upload(c->backend.user, &u, sizeof u);
         c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
@@ -2947,7 +2967,7 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     b.camera = camera;
     if (b.pose_offset) (void)dgbi_camera_of(context, &b.pose, &b.camera); /* was fine when it was submitted */
 
-    dgbi_begin(&context->backend);
+    dgbi_begin_drawing(context);
     dgbi_warp(context, &b);
     dgbi_submit(context, &b);
     dgbi_resolve(context, &b);
@@ -2961,7 +2981,10 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
         dgbi_resolve(context, &b);
         b.pose = drawn;
     }
-    dgbi_end(&context->backend);
+    if (dgbi_end_drawing(context) != DGB_OK) {
+        context->has_layers = context->has_previous = context->has_history = false;
+        return context->drawing;
+    }
 
     context->oracle_camera = b.camera;
     context->drawn = b.pose;
@@ -3314,7 +3337,7 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     }
 }
 
-static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
+static void dgbi_run_fullscreen(dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
     const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
     int rect[4];
     dgb_pass pass;
@@ -3324,7 +3347,7 @@ static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_
     pass.y = rect[1];
     pass.width = (float)rect[2];
     pass.height = (float)rect[3];
-    dgbi_begin_pass(c, plan_pass, &pass, 0);
+    if (!dgbi_begin_pass(c, plan_pass, &pass, 0)) return;
     dgbi_bind_inputs(c, plan_pass);
     dgbi_upload_uniforms(c, plan_pass, q);
     c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program + variant]);
@@ -3358,7 +3381,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     if (context->built - context->shaded > 1u) context->has_history = false; /* velocities reach back one frame only */
     for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
         if (context->textures[turns[i][1]].id) dgbi_swap(context, turns[i][0], turns[i][1]);
-    dgbi_begin(&context->backend);
+    dgbi_begin_drawing(context);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
         if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
@@ -3367,7 +3390,10 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
     }
-    dgbi_end(&context->backend);
+    if (dgbi_end_drawing(context) != DGB_OK) {
+        context->has_history = false;
+        return context->drawing;
+    }
     dgbi_remember(context, params);
     return DGB_OK;
 }

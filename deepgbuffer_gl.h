@@ -55,6 +55,12 @@
        glGet: then set your own.
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
+   ERRORS OF GL
+       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
+       does not count it against itself. What the driver refused in a call, out of memory or lost with its context, makes
+       dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for errors: do so yourself.
+       After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
+
    UNITS AND BINDINGS
        Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback the oracle sits
        in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
@@ -86,7 +92,7 @@ extern "C" {
 #define DGBGL_MAX_IMAGES 5
 #define DGBGL_MAX_VIEWPORTS 16
 #define DGBGL_MAX_DRAW_BUFFERS 8
-#define DGBGL_TOGGLE_COUNT 25
+#define DGBGL_TOGGLE_COUNT 23
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
@@ -179,7 +185,11 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(int, GetUniformLocation, (unsigned int, const char*))                                                    \
     X(void, Uniform1i, (int, int))                                                                             \
     X(unsigned int, GetUniformBlockIndex, (unsigned int, const char*))                                         \
-    X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))
+    X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))                                   \
+    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                          \
+    X(void, GenQueries, (int, unsigned int*))                                                                  \
+    X(void, DeleteQueries, (int, const unsigned int*))                                                         \
+    X(void, GetInteger64v, (unsigned int, int64_t*))
 
 #define DGBGL_OPTIONAL_FUNCTIONS(X)                                                                              \
     X(unsigned char, IsEnabledi, (unsigned int, unsigned int))                                                   \
@@ -198,16 +208,12 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, TextureBarrier, (void))                                                                              \
     X(void, MemoryBarrier, (unsigned int))                                                                       \
     X(void, BindImageTexture, (unsigned int, unsigned int, int, unsigned char, int, unsigned int, unsigned int)) \
-    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                            \
     X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                 \
     X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                           \
     X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                      \
     X(void, ObjectLabel, (unsigned int, unsigned int, int, const char*))                                         \
     X(void, PushDebugGroup, (unsigned int, unsigned int, int, const char*))                                      \
     X(void, PopDebugGroup, (void))                                                                               \
-    X(void, GenQueries, (int, unsigned int*))                                                                    \
-    X(void, DeleteQueries, (int, const unsigned int*))                                                           \
-    X(void, GetInteger64v, (unsigned int, int64_t*))                                                             \
     X(void, QueryCounter, (unsigned int, unsigned int))                                                          \
     X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                \
     X(void, GetQueryObjectui64v, (unsigned int, unsigned int, uint64_t*))
@@ -258,6 +264,7 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     } framebuffers[DGBGL_MAX_FRAMEBUFFERS];
     int next_framebuffer;
     dgb_pass pass;                        /* that is running */
+    dgb_result drawing;                   /* what GL said of the library's own calls since begin */
     dgb_texture narrowed[DGB_MAX_INPUTS]; /* textures whose level range it restricted */
     int narrowed_count;
     struct {
@@ -270,8 +277,9 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     dgbgl_state state;
 } dgbgl_backend;
 
-/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc,
-   DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point is missing; *gl is then zero. */
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or with a
+   unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point
+   is missing or an object cannot be made; *gl is then zero. */
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
 /* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
@@ -2759,7 +2767,9 @@ enum {
     DGBGLI_LESS = 0x0201,
     DGBGLI_GREATER = 0x0204,
     DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_INVALID_ENUM = 0x0500,
     DGBGLI_OUT_OF_MEMORY = 0x0505,
+    DGBGLI_CONTEXT_LOST = 0x0507,
     DGBGLI_POLYGON_MODE = 0x0B40,
     DGBGLI_CULL_FACE = 0x0B44,
     DGBGLI_DEPTH_RANGE = 0x0B70,
@@ -2855,8 +2865,10 @@ enum {
     DGBGLI_UNIFORM_BUFFER_BINDING = 0x8A28,
     DGBGLI_UNIFORM_BUFFER_START = 0x8A29,
     DGBGLI_UNIFORM_BUFFER_SIZE = 0x8A2A,
+    DGBGLI_MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F,
     DGBGLI_FRAGMENT_SHADER = 0x8B30,
     DGBGLI_VERTEX_SHADER = 0x8B31,
+    DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS = 0x8B4D,
     DGBGLI_COMPILE_STATUS = 0x8B81,
     DGBGLI_LINK_STATUS = 0x8B82,
     DGBGLI_CURRENT_PROGRAM = 0x8B8D,
@@ -2978,9 +2990,52 @@ static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char
     gl->desc.message(gl->desc.message_user, buffer);
 }
 
+/* >> errors */
+
+static const char* dgbgli_error_name(unsigned int error) {
+    static const char* const names[] = {"GL_INVALID_ENUM",
+                                        "GL_INVALID_VALUE",
+                                        "GL_INVALID_OPERATION",
+                                        "GL_STACK_OVERFLOW",
+                                        "GL_STACK_UNDERFLOW",
+                                        "GL_OUT_OF_MEMORY",
+                                        "GL_INVALID_FRAMEBUFFER_OPERATION",
+                                        "GL_CONTEXT_LOST"};
+    const unsigned int i = error - DGBGLI_INVALID_ENUM;
+    return i < sizeof names / sizeof names[0] ? names[i] : "an unknown GL error";
+}
+
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports for ever
+   is no error of one call, and a lost context may do so. */
+static void dgbgli_drain_errors(const dgbgl_backend* b, const char* where) {
+    unsigned int error = 0;
+    int i;
+    for (i = 0; i < 16 && error != DGBGLI_CONTEXT_LOST && (error = b->gl.GetError()) != 0; ++i)
+        dgbgli_message(b, where, dgbgli_error_name(error));
+}
+
+/* What the library's own calls came to since the last look. */
+static dgb_result dgbgli_check(const dgbgl_backend* b) {
+    const unsigned int error = b->gl.GetError();
+    return !error ? DGB_OK : error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
+}
+
+static void dgbgli_note_errors(dgbgl_backend* b) {
+    if (b->drawing == DGB_OK) b->drawing = dgbgli_check(b);
+}
+
+/* Where the driver gave no name: its error, and if it has none, that it gave none. */
+static dgb_result dgbgli_no_object(const dgbgl_backend* b) {
+    const dgb_result result = dgbgli_check(b);
+    return result == DGB_OK ? DGB_DEVICE : result;
+}
+
+#define DGBGLI_PENDING "pending before the call"
+
 /* >> state: what a pass may change is saved at begin and put back at end */
 
-/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. */
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and scissor
+   are kept for each buffer and viewport. */
 static const struct {
     unsigned int name;
     int since;    /* desktop version */
@@ -3007,11 +3062,8 @@ static const struct {
                                         {DGBGLI_CLIP_DISTANCE0 + 4, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 5, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 6, 330, 0},
-                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0},
-                                        {DGBGLI_BLEND, 0, 300},
-                                        {DGBGLI_SCISSOR_TEST, 0, 300}};
+                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0}};
 
-/* Blend and scissor appear in the table for ES only: on the desktop they are kept for each buffer and viewport. */
 static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
     const int since = b->es ? dgbgli_toggles[i].since_es : dgbgli_toggles[i].since;
     return since != 0 && b->version >= since;
@@ -3205,18 +3257,22 @@ static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s
 
 static void dgbgli_begin(void* user) {
     dgbgl_backend* b = (dgbgl_backend*)user;
+    b->drawing = DGB_OK;
     if (!b->desc.keep_state) {
+        dgbgli_drain_errors(b, DGBGLI_PENDING);
         dgbgli_save_raster(b, &b->state);
         dgbgli_save_bindings(b, &b->state);
     }
     dgbgli_set_defaults(b);
 }
 
-static void dgbgli_end(void* user) {
+static dgb_result dgbgli_end(void* user) {
     dgbgl_backend* b = (dgbgl_backend*)user;
-    if (b->desc.keep_state) return;
+    if (b->desc.keep_state) return DGB_OK;
+    dgbgli_note_errors(b);
     dgbgli_restore_raster(b, &b->state);
     dgbgli_restore_bindings(b, &b->state);
+    return b->drawing;
 }
 
 /* >> textures: the handle holds the GL name, above it whether it is an array (bit 32) and its format (from bit 40) */
@@ -3254,7 +3310,11 @@ static void dgbgli_allocate(const dgbgl_backend* b, const dgb_texture_desc* d, u
                 b->gl.TexImage2D(target, level, (int)internal, w, h, 0, format, type, NULL);
         }
     }
-    if (d->pixels) b->gl.TexSubImage2D(target, 0, 0, 0, d->width, d->height, format, type, d->pixels);
+}
+
+static void dgbgli_upload(const dgbgl_backend* b, const dgb_texture_desc* d, unsigned int target) {
+    b->gl.TexSubImage2D(target, 0, 0, 0, d->width, d->height, dgbgli_formats[d->format].format,
+                        dgbgli_formats[d->format].type, d->pixels);
 }
 
 static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int name, const char* what) {
@@ -3265,19 +3325,14 @@ static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int
     if (b->gl.ObjectLabel) b->gl.ObjectLabel(kind, name, -1, label);
 }
 
-/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded, since a lost context may
-   report for ever. */
-static void dgbgli_drain_errors(const dgbgl_backend* b) {
-    int i;
-    for (i = 0; i < 16 && b->gl.GetError(); ++i) {}
-}
-
 static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, dgb_texture* texture) {
     dgbgl_backend* b = (dgbgl_backend*)user;
     const unsigned int target = d->layers ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
-    unsigned int name = 0, error;
-    dgbgli_drain_errors(b);
+    unsigned int name = 0;
+    dgb_result result;
+    dgbgli_drain_errors(b, DGBGLI_PENDING);
     b->gl.GenTextures(1, &name);
+    if (!name) return dgbgli_no_object(b);
     b->gl.ActiveTexture(DGBGLI_TEXTURE0);
     b->gl.BindTexture(target, name);
     dgbgli_allocate(b, d, target);
@@ -3286,10 +3341,14 @@ static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, d
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
-    error = b->gl.GetError();
-    if (error || !name) {
+    result = dgbgli_check(b);
+    if (result == DGB_OK && d->pixels) {
+        dgbgli_upload(b, d, target);
+        result = dgbgli_check(b);
+    }
+    if (result != DGB_OK) {
         b->gl.DeleteTextures(1, &name);
-        return error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
+        return result;
     }
     dgbgli_label(b, DGBGLI_TEXTURE, name, dgb_slot_name(d->slot));
     texture->id = (uint64_t)name | (uint64_t)(d->layers > 0) << 32 | (uint64_t)d->format << 40;
@@ -3418,6 +3477,10 @@ static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_des
     dgbgli_text t = dgbgli_text_on(head, sizeof head);
     dgbgli_chunks c;
     int ok = 0;
+    if (!shader) {
+        dgbgli_message(b, dgb_pass_name(d->pass), "the driver gives no shader");
+        return 0;
+    }
     c.pieces[0] = head;
     c.count = 1;
     dgbgli_put_pass_head(&t, d, b->version, b->es);
@@ -3438,6 +3501,10 @@ static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* 
     const unsigned int program = b->gl.CreateProgram();
     char log[2048];
     int ok = 0;
+    if (!program) {
+        dgbgli_message(b, dgb_pass_name(d->pass), "the driver gives no program");
+        return 0;
+    }
     b->gl.AttachShader(program, vertex);
     b->gl.AttachShader(program, fragment);
     b->gl.LinkProgram(program);
@@ -3601,21 +3668,30 @@ static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
 }
 
-static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
+/* False, and a message, when it is of no use; it is then gone again. */
+static bool dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
     int c;
     b->gl.GenFramebuffers(1, &b->framebuffers[i].name);
+    if (!b->framebuffers[i].name) { /* 0 would be the engine's own */
+        dgbgli_message(b, dgb_pass_name(pass->id), "the driver gives no framebuffer");
+        return false;
+    }
     b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
     for (c = 0; c < pass->color_count; ++c)
         dgbgli_attach(b, (unsigned)(DGBGLI_COLOR_ATTACHMENT0 + c), &pass->colors[c]);
     if (pass->depth.texture.id) dgbgli_attach(b, DGBGLI_DEPTH_ATTACHMENT, &pass->depth);
     dgbgli_set_buffers(b, pass);
-    if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE)
+    if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE) {
         dgbgli_message(b, dgb_pass_name(pass->id), "the driver cannot render to this combination of formats");
+        dgbgli_drop_framebuffer(b, i);
+        return false;
+    }
     dgbgli_label(b, DGBGLI_FRAMEBUFFER, b->framebuffers[i].name, dgb_pass_name(pass->id));
+    return true;
 }
 
 /* Framebuffers are made once for each combination of targets and found again by it. */
-static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
+static bool dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
     dgb_target targets[DGB_MAX_TARGETS + 1];
     const int count = dgbgli_gather_targets(pass, targets);
     int i;
@@ -3624,14 +3700,15 @@ static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
             dgbgli_same_targets(b->framebuffers[i].targets, targets, count)) {
             b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
             dgbgli_set_buffers(b, pass);
-            return;
+            return true;
         }
     i = b->next_framebuffer;
     b->next_framebuffer = (i + 1) % DGBGL_MAX_FRAMEBUFFERS;
     dgbgli_drop_framebuffer(b, i);
-    dgbgli_make_framebuffer(b, i, pass);
+    if (!dgbgli_make_framebuffer(b, i, pass)) return false;
     b->framebuffers[i].count = count;
     memcpy(b->framebuffers[i].targets, targets, sizeof targets);
+    return true;
 }
 
 static void dgbgli_clear(const dgbgl_backend* b, const dgb_pass* pass) {
@@ -3647,7 +3724,7 @@ static void dgbgli_bind_image(const dgbgl_backend* b, unsigned int unit, dgb_tex
 }
 
 /* Image emission: empties the deeper layers and their keys, and binds all of them as images. */
-static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
+static bool dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     unsigned int clear_key[4] = {0, 0, 0, 0};
     dgb_pass deep = *pass, key;
     int i, layer;
@@ -3659,10 +3736,10 @@ static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     for (layer = 1; layer <= pass->key_layers; ++layer) {
         for (i = 0; i < deep.color_count; ++i) deep.colors[i].layer = layer;
         deep.depth.layer = layer;
-        dgbgli_bind_framebuffer(b, &deep);
+        if (!dgbgli_bind_framebuffer(b, &deep)) return false;
         dgbgli_clear(b, &deep);
         key.colors[0].layer = layer - 1;
-        dgbgli_bind_framebuffer(b, &key);
+        if (!dgbgli_bind_framebuffer(b, &key)) return false;
         b->gl.ClearBufferuiv(DGBGLI_COLOR, 0, clear_key);
     }
     dgbgli_bind_image(b, 0, pass->key);
@@ -3670,6 +3747,7 @@ static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     for (; i < DGB_MAX_TARGETS; ++i) /* what the material stores where nothing is kept goes nowhere */
         b->gl.BindImageTexture((unsigned)(1 + i), 0, 0, DGBGLI_FALSE, 0, DGBGLI_READ_WRITE, DGBGLI_RGBA8);
     b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
+    return true;
 }
 
 static void dgbgli_viewports(const dgbgl_backend* b, const dgb_pass* pass) {
@@ -3698,22 +3776,24 @@ static bool dgbgli_is_fullscreen(const dgb_pass* pass) {
     return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_BACK && pass->id != DGB_PASS_PREDICT;
 }
 
-static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result dgbgli_pass_begin(void* user, const dgb_pass* pass) {
     dgbgl_backend* b = (dgbgl_backend*)user;
     b->pass = *pass;
     if (!dgbgli_is_fullscreen(pass)) dgbgli_set_defaults(b); /* another layer's callback may have changed anything */
-    if (pass->key.id) dgbgli_begin_images(b, pass);
-    dgbgli_bind_framebuffer(b, pass);
+    if (pass->key.id && !dgbgli_begin_images(b, pass)) return DGB_DEVICE;
+    if (!dgbgli_bind_framebuffer(b, pass)) return DGB_DEVICE;
     dgbgli_viewports(b, pass);
     if (pass->clear) dgbgli_clear(b, pass);
     if (!dgbgli_is_fullscreen(pass)) {
         dgbgli_begin_layers(b, pass);
-        return;
+        return DGB_OK;
     }
     b->gl.BindVertexArray(b->vertex_array);
-    if (!pass->depth.texture.id) return;
-    b->gl.Enable(DGBGLI_DEPTH_TEST); /* warp, resolve: depth is written only with the test on */
-    b->gl.DepthFunc(DGBGLI_ALWAYS);
+    if (pass->depth.texture.id) {
+        b->gl.Enable(DGBGLI_DEPTH_TEST); /* warp, resolve: depth is written only with the test on */
+        b->gl.DepthFunc(DGBGLI_ALWAYS);
+    }
+    return DGB_OK;
 }
 
 static void dgbgli_level_range(const dgbgl_backend* b, dgb_texture texture, int base, int max) {
@@ -3738,6 +3818,8 @@ static void dgbgli_uniforms_upload(void* user, const void* std140, size_t size) 
     b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
     b->gl.BufferData(DGBGLI_UNIFORM_BUFFER, (ptrdiff_t)size, std140, DGBGLI_STREAM_DRAW);
     b->gl.BindBufferBase(DGBGLI_UNIFORM_BUFFER, (unsigned)b->desc.uniform_binding, b->uniform_buffer);
+    if (!b->desc.keep_state && !dgbgli_is_fullscreen(&b->pass))
+        dgbgli_note_errors(b); /* the engine's callback follows */
 }
 
 static void dgbgli_draw_fullscreen(void* user, dgb_program program) {
@@ -3754,6 +3836,9 @@ static void dgbgli_pass_end(void* user) {
         dgbgli_level_range(b, b->narrowed[i], 0, DGB_MAX_LEVELS - 1);
     }
     b->narrowed_count = 0;
+    if (b->pass.id == DGB_PASS_RESOLVE) /* the key holds integers, and this is the unit of the engine's float sampler */
+        b->gl.BindTexture(DGBGLI_TEXTURE_2D_ARRAY, 0);
+    if (!b->desc.keep_state && !dgbgli_is_fullscreen(&b->pass)) dgbgli_drain_errors(b, "left by the draw callback");
     if (b->pass.key.id) b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
     if (b->pass.depth.texture.id) dgbgli_set_defaults(b); /* whatever the engine's callback left */
 }
@@ -3801,6 +3886,8 @@ DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* 
 
 /* >> init, shutdown */
 
+#define DGBGLI_MISSING "missing entry point"
+
 static bool dgbgli_load(dgbgl_backend* b) {
     const char* missing = NULL;
     void* address;
@@ -3811,12 +3898,12 @@ static bool dgbgli_load(dgbgl_backend* b) {
     if (!address) missing = "gl" #name;
     DGBGL_FUNCTIONS(DGBGLI_LOAD)
     if (missing) {
-        dgbgli_message(b, "missing entry point", missing);
+        dgbgli_message(b, DGBGLI_MISSING, missing);
         return false;
     }
     DGBGL_OPTIONAL_FUNCTIONS(DGBGLI_LOAD)
 #undef DGBGLI_LOAD
-    return b->gl.DepthRangef || b->gl.DepthRange;
+    return true;
 }
 
 static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
@@ -3829,34 +3916,62 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     return false;
 }
 
-/* Entry points of what the context does not claim may still have an address: forget them. */
-static void dgbgli_forget_unclaimed(dgbgl_backend* b) {
-    const bool desktop = !b->es;
-    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_clip_control")))) b->gl.ClipControl = NULL;
-    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_texture_barrier"))))
-        b->gl.TextureBarrier = NULL;
-    if (!desktop) b->gl.PolygonMode = NULL;
-    if (!(b->es || b->version >= 420 || dgbgli_has_extension(b, "GL_ARB_texture_storage"))) {
-        b->gl.TexStorage2D = NULL;
-        b->gl.TexStorage3D = NULL;
-    }
-    if (!(b->es ? b->version >= 320 : b->version >= 430 || dgbgli_has_extension(b, "GL_KHR_debug"))) {
-        b->gl.ObjectLabel = NULL;
-        b->gl.PushDebugGroup = NULL;
-        b->gl.PopDebugGroup = NULL;
-    }
-    if (!desktop || b->desc.no_timers) b->gl.QueryCounter = NULL;
-    if (!(b->es ? b->version >= 320 : true)) b->gl.FramebufferTexture = NULL;
-    if (!(desktop && b->version >= 410)) b->gl.DepthRangef = desktop ? NULL : b->gl.DepthRangef;
-    b->indexed_buffers =
-        desktop && b->gl.IsEnabledi && b->gl.Enablei && b->gl.Disablei && b->gl.GetBooleani_v && b->gl.ColorMaski;
-    b->indexed_viewports = desktop && (b->version >= 410 || dgbgli_has_extension(b, "GL_ARB_viewport_array")) &&
-                           b->gl.GetFloati_v && b->gl.GetDoublei_v && b->gl.ViewportIndexedf && b->gl.DepthRangeIndexed;
-    if (desktop && (b->version >= 410 || !b->gl.TexStorage2D) &&
-        dgbgli_has_extension(b, "GL_ARB_shader_viewport_layer_array"))
-        b->layer_extension = "GL_ARB_shader_viewport_layer_array";
-    else if (desktop && dgbgli_has_extension(b, "GL_AMD_vertex_shader_layer"))
-        b->layer_extension = "GL_AMD_vertex_shader_layer";
+/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers them,
+   or by which extension of OpenGL. */
+#define DGBGLI_OFFERS(X)                                  \
+    X(IsEnabledi, 330, 320, NULL)                         \
+    X(Enablei, 330, 320, NULL)                            \
+    X(Disablei, 330, 320, NULL)                           \
+    X(GetBooleani_v, 330, 320, NULL)                      \
+    X(ColorMaski, 330, 320, NULL)                         \
+    X(PolygonMode, 330, 0, NULL)                          \
+    X(DepthRangef, 0, 300, NULL)                          \
+    X(DepthRange, 330, 0, NULL)                           \
+    X(GetFloati_v, 410, 0, "GL_ARB_viewport_array")       \
+    X(GetDoublei_v, 410, 0, "GL_ARB_viewport_array")      \
+    X(ViewportIndexedf, 410, 0, "GL_ARB_viewport_array")  \
+    X(DepthRangeIndexed, 410, 0, "GL_ARB_viewport_array") \
+    X(ClipControl, 450, 0, "GL_ARB_clip_control")         \
+    X(TextureBarrier, 450, 0, "GL_ARB_texture_barrier")   \
+    X(MemoryBarrier, 430, 0, NULL)                        \
+    X(BindImageTexture, 430, 0, NULL)                     \
+    X(FramebufferTexture, 330, 320, NULL)                 \
+    X(TexStorage2D, 420, 300, "GL_ARB_texture_storage")   \
+    X(TexStorage3D, 420, 300, "GL_ARB_texture_storage")   \
+    X(ObjectLabel, 430, 320, "GL_KHR_debug")              \
+    X(PushDebugGroup, 430, 320, "GL_KHR_debug")           \
+    X(PopDebugGroup, 430, 320, "GL_KHR_debug")            \
+    X(QueryCounter, 330, 0, NULL)                         \
+    X(GetQueryObjectiv, 330, 0, NULL)                     \
+    X(GetQueryObjectui64v, 330, 0, NULL)
+
+static bool dgbgli_offers(const dgbgl_backend* b, int since, int since_es, const char* extension) {
+    if (b->es) return since_es != 0 && b->version >= since_es;
+    return (since != 0 && b->version >= since) || (extension && dgbgli_has_extension(b, extension));
+}
+
+/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer must have
+   one. */
+static bool dgbgli_settle_optional(dgbgl_backend* b) {
+    const char* missing = NULL;
+#define DGBGLI_SETTLE(name, since, since_es, extension) \
+    if (!dgbgli_offers(b, since, since_es, extension))  \
+        b->gl.name = NULL;                              \
+    else if (!b->gl.name)                               \
+        missing = "gl" #name;
+    DGBGLI_OFFERS(DGBGLI_SETTLE)
+#undef DGBGLI_SETTLE
+    if (missing) dgbgli_message(b, DGBGLI_MISSING, missing);
+    return !missing;
+}
+
+/* What lets a vertex shader write gl_Layer, or null. GLSL takes the first from version 410 on. */
+static const char* dgbgli_layer_extension(const dgbgl_backend* b) {
+    static const char* const extensions[] = {"GL_ARB_shader_viewport_layer_array", "GL_AMD_vertex_shader_layer"};
+    int i;
+    for (i = b->version >= 410 ? 0 : 1; !b->es && i < 2; ++i)
+        if (dgbgli_has_extension(b, extensions[i])) return extensions[i];
+    return NULL;
 }
 
 /* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
@@ -3869,7 +3984,10 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     dgb_caps* caps = &b->backend.caps;
     const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
     const bool geometry = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
-    b->images = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
+    b->indexed_buffers = b->gl.ColorMaski != NULL;
+    b->indexed_viewports = b->gl.ViewportIndexedf != NULL;
+    b->images = b->gl.BindImageTexture != NULL;
+    b->layer_extension = dgbgli_layer_extension(b);
     b->interlock = b->images && b->version >= 450 && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
     caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
     caps->max_layers = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
@@ -3905,61 +4023,87 @@ static void dgbgli_fill_backend(dgbgl_backend* b) {
     d->marker = dgbgli_marker;
 }
 
-static void dgbgli_create_sampler(dgbgl_backend* b) {
-    b->gl.GenSamplers(1, &b->sampler);
+/* Binding makes objects of names, and only objects can have labels. */
+static void dgbgli_set_up_objects(const dgbgl_backend* b) {
+    b->gl.BindVertexArray(b->vertex_array);
+    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
+    b->gl.BindSampler(0, b->sampler);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MIN_FILTER, DGBGLI_NEAREST);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_COMPARE_MODE, 0);
-}
-
-static void dgbgli_create_objects(dgbgl_backend* b) {
-    int pass;
-    dgbgli_begin(b);
-    dgbgli_create_sampler(b);
-    b->gl.GenVertexArrays(1, &b->vertex_array);
-    b->gl.BindVertexArray(b->vertex_array);
-    b->gl.GenBuffers(1, &b->uniform_buffer);
-    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
-    b->gl.BindSampler(0, b->sampler);
     dgbgli_label(b, DGBGLI_VERTEX_ARRAY, b->vertex_array, "fullscreen");
     dgbgli_label(b, DGBGLI_BUFFER, b->uniform_buffer, "uniforms");
     dgbgli_label(b, DGBGLI_SAMPLER, b->sampler, "nearest");
+}
+
+static dgb_result dgbgli_create_objects(dgbgl_backend* b) {
+    dgb_result result;
+    int pass;
+    dgbgli_begin(b);
+    dgbgli_drain_errors(b, DGBGLI_PENDING);
+    b->gl.GenSamplers(1, &b->sampler);
+    b->gl.GenVertexArrays(1, &b->vertex_array);
+    b->gl.GenBuffers(1, &b->uniform_buffer);
     for (pass = 0; pass < DGB_PASS_COUNT; ++pass) {
         b->timers[pass].milliseconds = -1.0;
         if (b->gl.QueryCounter) b->gl.GenQueries(4, b->timers[pass].queries[0]);
     }
-    dgbgli_end(b);
+    result = b->sampler && b->vertex_array && b->uniform_buffer ? dgbgli_check(b) : dgbgli_no_object(b);
+    if (result == DGB_OK) dgbgli_set_up_objects(b);
+    (void)dgbgli_end(b);
+    return result;
+}
+
+/* What of the desc or of the context is of no use, or null; *result says how. */
+static const char* dgbgli_fault(const dgbgl_backend* b, dgb_result* result) {
+    *result = DGB_UNSUPPORTED;
+    if (b->version < (b->es ? 300 : 330) ||
+        (b->es && b->version < 320 && !dgbgli_has_extension(b, "GL_EXT_color_buffer_float")))
+        return "the context is not OpenGL 3.3, nor OpenGL ES 3.0 with EXT_color_buffer_float";
+    *result = DGB_INVALID;
+    if (b->desc.oracle_unit < 0 || b->desc.oracle_unit >= dgbgli_get(b, DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS))
+        return "oracle_unit is no texture unit of this context";
+    if (b->desc.uniform_binding < 0 || b->desc.uniform_binding >= dgbgli_get(b, DGBGLI_MAX_UNIFORM_BUFFER_BINDINGS))
+        return "uniform_binding is no uniform buffer binding of this context";
+    return NULL;
+}
+
+/* The stages of dgbgl_init that can fail, but for loading. */
+static dgb_result dgbgli_start(dgbgl_backend* b) {
+    const char* version = (const char*)b->gl.GetString(DGBGLI_VERSION);
+    const char* fault;
+    dgb_result result;
+    b->es = version && strncmp(version, "OpenGL ES", 9) == 0;
+    b->version = dgbgli_get(b, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(b, DGBGLI_MINOR_VERSION) * 10;
+    fault = dgbgli_fault(b, &result);
+    if (fault) {
+        dgbgli_message(b, "dgbgl_init", fault);
+        return result;
+    }
+    if (!dgbgli_settle_optional(b)) return DGB_DEVICE;
+    if (b->desc.no_timers) b->gl.QueryCounter = NULL;
+    dgbgli_read_caps(b);
+    dgbgli_fill_backend(b);
+    result = dgbgli_create_objects(b);
+    if (result != DGB_OK) dgbgli_message(b, "dgbgl_init", "the driver gives no sampler, vertex array or buffer");
+    return result;
 }
 
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
+    dgb_result result;
     if (!gl) return DGB_INVALID;
     memset(gl, 0, sizeof *gl);
     if (!desc || !desc->get_proc) return DGB_INVALID;
     gl->desc = *desc;
     if (!gl->desc.oracle_unit) gl->desc.oracle_unit = 15;
     if (!gl->desc.uniform_binding) gl->desc.uniform_binding = 23;
-    if (!dgbgli_load(gl)) {
-        memset(gl, 0, sizeof *gl);
-        return DGB_DEVICE;
-    }
-    {
-        const char* version = (const char*)gl->gl.GetString(DGBGLI_VERSION);
-        gl->es = version && strncmp(version, "OpenGL ES", 9) == 0;
-        gl->version = dgbgli_get(gl, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(gl, DGBGLI_MINOR_VERSION) * 10;
-    }
-    if (gl->version < (gl->es ? 300 : 330) ||
-        (gl->es && gl->version < 320 && !dgbgli_has_extension(gl, "GL_EXT_color_buffer_float"))) {
-        dgbgli_message(gl, "unsupported context", "needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float");
-        memset(gl, 0, sizeof *gl);
-        return DGB_UNSUPPORTED;
-    }
-    dgbgli_forget_unclaimed(gl);
-    dgbgli_read_caps(gl);
-    dgbgli_fill_backend(gl);
-    dgbgli_create_objects(gl);
-    return DGB_OK;
+    result = dgbgli_load(gl) ? dgbgli_start(gl) : DGB_DEVICE;
+    if (result == DGB_OK) return DGB_OK;
+    dgbgl_shutdown(gl);
+    memset(gl, 0, sizeof *gl);
+    return result;
 }
 
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl) {
@@ -4303,7 +4447,7 @@ DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* c
     if (!gl || !gl->backend.user || !calibration || !calibration->view || !calibration->params ||
         !calibration->prepare || !calibration->draw || !desc)
         return DGB_INVALID;
-    if (gl->es || !gl->gl.GetInteger64v) return DGB_UNSUPPORTED;
+    if (gl->es) return DGB_UNSUPPORTED;
     candidate = *desc;
     candidate.effects = 0; /* the layers alone */
     candidate.backend = &gl->backend;

@@ -1874,6 +1874,87 @@ static void test_failed_resize_keeps_the_old(void** state) {
         for (n = 1; n <= plan.texture_count; ++n) check_failed_resize(failures[i], n);
 }
 
+/* The device fails in pass n, 0: at the end, while it builds or shades the second frame. */
+static void start_failing(fixture* f, int n, dgb_result failure) {
+    start(f);
+    f->desc.effects = ALL_EFFECTS;
+    f->desc.oracle = DGB_ORACLE_PREDICT;
+    init(f);
+    build(f);
+    shade(f);
+    record_clear(&f->r);
+    f->r.passes = 0;
+    f->r.fail_pass_at = n;
+    f->r.fail_with = failure;
+    if (!n) f->r.end_with = failure;
+}
+
+/* It says so once, and runs nothing after the pass that failed. */
+static void check_failed(fixture* f, int n, dgb_result failure, dgb_result result) {
+    if (result != failure) fail_msg("pass %d: %s", n, dgb_result_name(result));
+    if (n) assert_int_equal(f->r.passes, n);
+    assert_int_equal(f->log_count, 1);
+    assert_int_equal(f->log_result, failure);
+    assert_int_equal(f->log_item, DGB_LOG_PASS);
+    assert_int_equal(f->r.begins, f->r.ends);
+    f->r.fail_pass_at = 0;
+    f->r.end_with = DGB_OK;
+    f->log_count = 0;
+    record_clear(&f->r);
+}
+
+/* True when there was no pass n to fail. */
+static bool check_failed_build(int n, dgb_result failure) {
+    fixture f;
+    dgb_result result;
+    start_failing(&f, n, failure);
+    result = dgb_build(&f.context, &f.view, &f.params, on_draw, &f);
+    if (n > f.r.passes) return assert_int_equal(result, DGB_OK), stop(&f), true;
+    check_failed(&f, n, failure, result);
+    assert_int_equal(dgb_shade(&f.context, &f.params), DGB_INVALID);
+    assert_int_equal(f.log_item, DGB_LOG_NO_LAYERS);
+    assert_int_equal(oracle_of_next_build(&f), DGB_ORACLE_PEEL); /* afresh */
+    assert_false(f.context.has_history);
+    shade(&f);
+    stop(&f);
+    return false;
+}
+
+static bool check_failed_shade(int n, dgb_result failure) {
+    fixture f;
+    dgb_result result;
+    start_failing(&f, n, failure);
+    f.r.fail_pass_at = 0;
+    f.r.end_with = DGB_OK;
+    build(&f);
+    assert_true(f.context.has_history);
+    f.r.passes = 0;
+    f.r.fail_pass_at = n;
+    if (!n) f.r.end_with = failure;
+    result = dgb_shade(&f.context, &f.params);
+    if (n > f.r.passes) return assert_int_equal(result, DGB_OK), stop(&f), true;
+    check_failed(&f, n, failure, result);
+    assert_false(f.context.has_history);
+    shade(&f); /* the layers are there still */
+    assert_true(f.context.has_history);
+    assert_int_equal(oracle_of_next_build(&f), DGB_ORACLE_PREDICT);
+    stop(&f);
+    return false;
+}
+
+static void test_failed_passes(void** state) {
+    static const dgb_result results[] = {DGB_OUT_OF_MEMORY, DGB_DEVICE};
+    size_t i;
+    int n;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        for (n = 0; !check_failed_build(n, results[i]); ++n) {}
+        assert_int_equal(n, 3); /* the end; the layers, the prediction; and no third */
+        for (n = 0; !check_failed_shade(n, results[i]); ++n) {}
+        assert_true(n > 10);
+    }
+}
+
 static void test_refused_resize_keeps_the_old(void** state) {
     static const int sizes[][2] = {{0, 48}, {64, -1}, {16385, 48}, {16384, 48}};
     dgb_context before;
@@ -2659,6 +2740,7 @@ int main(void) {
         cmocka_unit_test(test_presets_create_nothing),
         cmocka_unit_test(test_failed_init_leaves_nothing),
         cmocka_unit_test(test_failed_resize_keeps_the_old),
+        cmocka_unit_test(test_failed_passes),
         cmocka_unit_test(test_refused_resize_keeps_the_old),
         cmocka_unit_test(test_resize_knows_the_device),
         cmocka_unit_test(test_resize_to_the_same_does_nothing),

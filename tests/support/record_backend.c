@@ -204,11 +204,12 @@ static void on_begin(void* user) {
     ++r->begins;
 }
 
-static void on_end(void* user) {
+static dgb_result on_end(void* user) {
     record_backend* r = self(user);
     check_in_frame(r, "end");
     if (r->in_pass) fail_msg("end inside of pass %s", dgb_pass_name(r->pass.id));
     ++r->ends;
+    return r->end_with;
 }
 
 static dgb_result on_texture_create(void* user, const dgb_texture_desc* desc, dgb_texture* texture) {
@@ -320,12 +321,13 @@ static void check_deep_viewport(const record_backend* r, const dgb_pass* pass) {
         fail_msg("second viewport %g %g", (double)pass->deep_width, (double)pass->deep_height);
 }
 
-static void on_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result on_pass_begin(void* user, const dgb_pass* pass) {
     record_backend* r = self(user);
     int i;
     check_in_frame(r, "pass_begin");
     if (r->in_pass) fail_msg("pass %s inside of a pass", dgb_pass_name(pass->id));
     if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS) fail_msg("%d targets", pass->color_count);
+    if (++r->passes == r->fail_pass_at) return r->fail_with;
     r->in_pass = true;
     r->pass = *pass;
     r->bind_count = 0;
@@ -349,6 +351,7 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->reversed) record_printf(&r->trace, " reversed");
     if (pass->clip == DGB_CLIP_ZERO_TO_ONE) record_printf(&r->trace, " clip01");
     record_printf(&r->trace, "\n");
+    return DGB_OK;
 }
 
 /* Reading what is being written is undefined. Peeling reads layer j - 1 of the depth array while it writes
