@@ -186,6 +186,8 @@
        dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
        dgb_pixel_hash           any int            exact, same in GLSL          -
        dgb_pixel_pair           any int            exact, same in GLSL          -
+       dgb_hilbert_index        any int            exact, same in GLSL          -
+       dgb_pixel_quad           any int            exact, same in GLSL          -
        dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
        dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
        dgb_keep_test            any float          exact                        NaN anywhere: false
@@ -570,6 +572,13 @@ DGB_API int dgb_pixel_hash(int x, int y, int frame);
 /* Two numbers of a pixel and frame for sampling a square, in 0..1, neither 0 nor 1: the R2 sequence (Roberts 2018) over
    the frames from a hash of the pixel. Integers until the last step: the same everywhere. */
 DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]);
+/* Place of a pixel along a Hilbert curve through a square of 64 x 64 pixels, 0..4095, the same in every such square: pixels that
+   are near along the curve are near in the image, and most that are near in the image are near along the curve. */
+DGB_API int dgb_hilbert_index(int x, int y);
+/* Four numbers of a pixel and frame, in 0..1, neither 0 nor 1, which neighbours and frames share out among them: sequences along
+   the Hilbert curve, 288 places farther from frame to frame. The first two together are the R2 sequence (Roberts 2018), the
+   others two of its kin of four dimensions. Integers until the last step: the same everywhere. */
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
@@ -1277,6 +1286,29 @@ DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]) {
     /* 2^32 / p and 2^32 / p^2, p^3 = p + 1; 23 bits and a half are a float */
     u[0] = ((float)((h + (uint32_t)frame * 3242174889u) >> 9) + 0.5f) / 8388608.0f;
     u[1] = ((float)((g + (uint32_t)frame * 2447445414u) >> 9) + 0.5f) / 8388608.0f;
+}
+
+/* From the largest quarter to the smallest: which one the pixel is in, 0 to 3 along the curve, two bits of the index each; the
+   curve through the first and the last quarter is turned. */
+DGB_API int dgb_hilbert_index(int x, int y) {
+    uint32_t a = (uint32_t)x, b = (uint32_t)y, index = 0u;
+    int bit;
+    for (bit = 5; bit >= 0; --bit) {
+        const uint32_t right = a >> bit & 1u, upper = b >> bit & 1u, turned = right ? 0xffffffffu : 0u, c = a;
+        index = index << 2 | ((3u * right) ^ upper);
+        if (upper) continue;
+        a = b ^ turned;
+        b = c ^ turned;
+    }
+    return (int)index;
+}
+
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]) {
+    /* 2^32 / p and 2^32 / p^2, p^3 = p + 1; 2^32 / q^3 and 2^32 / q^4, q^5 = q + 1 */
+    static const uint32_t steps[4] = {3242174889u, 2447445414u, 2700274806u, 2313257605u};
+    const uint32_t place = (uint32_t)dgb_hilbert_index(x, y) + (uint32_t)frame * 288u + 1u;
+    int i;
+    for (i = 0; i < 4; ++i) u[i] = ((float)(place * steps[i] >> 9) + 0.5f) / 8388608.0f;
 }
 
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {

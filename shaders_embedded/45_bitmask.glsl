@@ -32,7 +32,7 @@ struct dgb_receiver {
     vec2  at; // where the surface is, pixels
     vec3  x, n, v; // v: towards the eye
     float reach;   // pixels
-    vec4  noise;   // of the slice: angle, height; of the steps, of the sectors; 0..1
+    vec4  noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1
 };
 
 struct dgb_march { // along one slice
@@ -63,8 +63,7 @@ dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
     r.n     = dgb_oct16_decode(normal);
     r.v     = -dgb_view(r.x, dgb_bitmask_camera);
     r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
-    // other pixels' numbers, which take other turns over the frames: the two pairs have nothing in common
-    r.noise = vec4(dgb_pixel_pair(pixel, dgb_bitmask_size.w), dgb_pixel_pair(pixel + ivec2(16384, 0), dgb_bitmask_size.w * 31));
+    r.noise = dgb_pixel_quad(pixel, dgb_bitmask_size.w);
     return r;
 }
 
@@ -72,7 +71,7 @@ dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
 dgb_march dgb_march_at(dgb_receiver r, float shift) {
     vec4  noise    = fract(r.noise + shift);
     vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;
-    float height   = 1.0 - 2.0 * noise.y;
+    float height   = 1.0 - 2.0 * noise.z;
     vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));
     vec3  across   = cross(d, r.v);
     vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));
@@ -204,7 +203,7 @@ vec4 dgb_look(dgb_receiver r, bool there, bool second) {
     for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {
         float     shift  = float(i) * pair;
         dgb_march m      = dgb_march_at(r, shift);
-        vec2      jitter = fract(r.noise.zw + shift);
+        vec2      jitter = fract(r.noise.yw + shift);
         for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);
         sum += vec4(m.light, float(dgb_sector_count(m.seen)));
     }

@@ -439,6 +439,26 @@ static void test_pixel_pair(void** state) {
     check_equal("pixel pair", mismatches, 0);
 }
 
+static void test_pixel_quad(void** state) {
+    int i, k, mismatches = 0, misplaced = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) { /* two squares of the curve and more, then anywhere, on either side of 0 */
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits() % 16777216u) - 8388608);
+    }
+    evaluate("floatBitsToUint(dgb_pixel_quad(ivec2(given(0).xy), int(given(0).z)))", 1);
+    for (i = 0; i < CASES; ++i) {
+        float u[4];
+        dgb_pixel_quad((int)in[i][0][0], (int)in[i][0][1], (int)in[i][0][2], u);
+        for (k = 0; k < 4; ++k) mismatches += out[i][k] != bits_of(u[k]);
+    }
+    check_equal("pixel quad", mismatches, 0);
+    evaluate("uvec4(dgb_hilbert_index(ivec2(given(0).xy)), 0u, 0u, 0u)", 1);
+    for (i = 0; i < CASES; ++i) misplaced += (int)out[i][0] != dgb_hilbert_index((int)in[i][0][0], (int)in[i][0][1]);
+    check_equal("Hilbert index", misplaced, 0);
+}
+
 static void test_mip_level(void** state) {
     int i, mismatches = 0;
     (void)state;
@@ -999,6 +1019,7 @@ int main(void) {
         cmocka_unit_test(test_bilateral_weight),
         cmocka_unit_test(test_tap_placement),
         cmocka_unit_test(test_pixel_pair),
+        cmocka_unit_test(test_pixel_quad),
         cmocka_unit_test(test_ggx_alpha),
         cmocka_unit_test(test_ggx_normal),
         cmocka_unit_test(test_ggx_density),
