@@ -133,8 +133,10 @@
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
        DGB_EFFECT_TEMPORAL averages over frames, each of which takes other taps. history_weight 0.85 is the
-       paper's advice: more is smoother and lags behind moving lights. A surface that has just come into view averages the
-       frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
+       paper's advice: more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A surface that
+       has just come into view averages the frames that it has. history_clamp keeps history within what this frame's neighbours
+       found, where surfaces move: 1 to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples,
+       and their light with them: the picture gets darker where few taps find a lamp. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
        PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
@@ -267,7 +269,7 @@ extern "C" {
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 18
+#define DGB_MAX_PROGRAMS 19
 #define DGB_MAX_PASSES 28
 #define DGB_MAX_TEXTURES 40
 
@@ -308,7 +310,8 @@ typedef enum dgb_result {
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
     X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                      \
     X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
-    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
+    X(HISTORY_PARAMS,                                                                                            \
+      "history_weight must be 0 to 0.999, history_tolerance, _floor, _clamp and sample_clamp finite and >= 0")   \
     X(REFLECT_PARAMS,                                                                                            \
       "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
     X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                               \
@@ -699,6 +702,10 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float history_weight;    /* alpha: weight of history in the average, 0 (off) to 0.999 */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
     float history_floor;     /* or within this, m */
+    float history_clamp; /* standard deviations of the 3 x 3 pixels' samples that history may be off their mean where a
+                            surface moves a pixel a frame or more, farther the less it moves; 0 (off) or more */
+    float sample_clamp;  /* times the mean of its neighbours, or its history, that a frame's irradiance counts for at
+                            most; 0 (off) or more */
 
     bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
     bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
@@ -884,7 +891,8 @@ typedef struct dgb_bitmask_uniforms { /* BITMASK: of AO and GATHER */
 
 typedef struct dgb_temporal_uniforms {
     dgb_camera camera;
-    float weight[4]; /* x: of history */
+    float weight[4]; /* of history; standard deviations, and times the mean, that are let through; frame */
+    int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     dgb_reprojection past;
 } dgb_temporal_uniforms;
 
@@ -1764,7 +1772,8 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_at_least(p->boost_unsaturated, 0.0f) || !dgbi_at_least(p->boost_saturated, 0.0f))
         return DGB_LOG_BOUNCE_PARAMS;
     if (!dgbi_at_least(p->history_weight, 0.0f) || p->history_weight > 0.999f ||
-        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f))
+        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f) ||
+        !dgbi_at_least(p->history_clamp, 0.0f) || !dgbi_at_least(p->sample_clamp, 0.0f))
         return DGB_LOG_HISTORY_PARAMS;
     if (!dgbi_is_radius(p->reflect_distance) || !dgbi_is_radius(p->reflect_thickness) ||
         !dgbi_in_range(p->reflect_steps, 1, 4096) || !dgbi_in_range(p->reflect_stride, 1, 64) ||
@@ -2228,14 +2237,19 @@ static void dgbi_plan_mean(dgb_slot raw, dgb_slot mean, dgb_slot last, dgb_plan*
     dgbi_add_output(pass, mean);
 }
 
+/* Two programs, the second with limits to what stands out, which cost nothing where there are none. */
 static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const int program = dgbi_add_program(plan, DGB_PASS_TEMPORAL);
-    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, program);
-    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
-    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
-    dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
-    dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
-    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, plan->program_count);
+    int limited;
+    for (limited = 0; limited < 2; ++limited) {
+        dgbi_add_program(plan, DGB_PASS_TEMPORAL);
+        dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+        dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+        dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
+        dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
+        dgbi_add_define(plan, "DGB_DEEP", w->deep);
+        dgbi_add_define(plan, "DGB_LIMITED", limited);
+    }
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_LAST_Z);
@@ -3131,6 +3145,10 @@ static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dg
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     u->weight[0] = q->history_weight;
+    u->weight[1] = q->history_clamp;
+    u->weight[2] = q->sample_clamp;
+    u->weight[3] = (float)(c->frame & 0xffffffu);
+    dgbi_fill_rect(c, q, u->rect);
     dgbi_fill_reprojection(c, q, c->has_history && dgbi_same_result(q, &c->shaded_params), &u->past);
 }
 
@@ -3269,8 +3287,15 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     }
 }
 
+/* Which of a pass's programs runs. */
+static int dgbi_variant(const dgb_plan_pass* pass, const dgb_params* q) {
+    if (pass->id == DGB_PASS_GATHER) return q->normal_test;
+    if (pass->id == DGB_PASS_TEMPORAL) return q->history_clamp > 0.0f || q->sample_clamp > 0.0f;
+    return 0;
+}
+
 static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
-    const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
+    const int variant = dgbi_variant(plan_pass, q);
     int rect[4];
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);

@@ -2066,6 +2066,8 @@ static void set_boost_saturated(dgb_params* p, float x) { p->boost_saturated = x
 static void set_history_weight(dgb_params* p, float x) { p->history_weight = x; }
 static void set_history_tolerance(dgb_params* p, float x) { p->history_tolerance = x; }
 static void set_history_floor(dgb_params* p, float x) { p->history_floor = x; }
+static void set_history_clamp(dgb_params* p, float x) { p->history_clamp = x; }
+static void set_sample_clamp(dgb_params* p, float x) { p->sample_clamp = x; }
 static void set_filter_taps(dgb_params* p, float x) { p->filter_taps = (int)x; }
 static void set_filter_step(dgb_params* p, float x) { p->filter_step = (int)x; }
 static void set_normal_sharpness(dgb_params* p, float x) { p->normal_sharpness = x; }
@@ -2129,6 +2131,8 @@ static const struct {
      {0, 0.005f, 1, 100},
      {-0.001f, -1, -1e30f, -1}},
     {"history_floor", set_history_floor, DGB_LOG_HISTORY_PARAMS, true, {0, 0.01f, 1, 1e6f}, {-0.001f, -1, -1e30f, -1}},
+    {"history_clamp", set_history_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 1, 3, 1e30f}, {-0.001f, -1, -1e30f, -1}},
+    {"sample_clamp", set_sample_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 0.5f, 8, 1e30f}, {-0.001f, -1, -1e30f, -1}},
     {"filter_taps", set_filter_taps, DGB_LOG_FILTER_PARAMS, false, {1, 25, 9, 11}, {0, 2, 27, -1}},
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
     {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},

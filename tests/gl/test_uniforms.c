@@ -68,6 +68,7 @@ static const member bitmask_members[] = {
 
 static const member temporal_members[] = {CAMERA("dgb_temporal_camera", dgb_temporal_uniforms, camera),
                                           VALUE("dgb_temporal_weight", dgb_temporal_uniforms, weight),
+                                          VALUE("dgb_temporal_present", dgb_temporal_uniforms, rect),
                                           PAST("dgb_temporal_past", dgb_temporal_uniforms)};
 
 static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),
