@@ -69,7 +69,7 @@
                               irradiance makes of it: 160 bits a pixel
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [tiles]       where the second layer can matter at all
-             -> [ao]          ambient visibility
+             -> [ao]          ambient visibility, with BENT where it opens to
              -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
@@ -139,6 +139,10 @@
        and their light with them: the picture gets darker where few taps find a lamp. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
+       DGB_EFFECT_BENT, with AO and BITMASK, says from where a point is open: the mean of the open directions, in world space and
+       weighted by the cosine, whose direction is the bent normal and whose length, over the open share beside it, tells how wide
+       the opening is (dgb_bent_cosine). A probe that is looked up there lights a corner under a window from the window:
+       dgb_bent_direction and dgb_probe_visible of the composite snippet. Of an open point it is 2/3 of the normal, exactly.
        PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
@@ -201,6 +205,8 @@
        dgb_arc_sine             any float          6.8e-5                       beyond +-1: that of +-1
        dgb_slice_share          any float          1e-3                         not finite: 1
        dgb_sectors              any float          exact                        NaN: the first sector's end
+       dgb_slice_angle          share 0..1         1e-3                         -
+       dgb_bent_cosine          any float[4]       1e-3 at 0, else 1e-5         nothing open: 1; NaN: 0
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
@@ -271,7 +277,7 @@ extern "C" {
 #define DGB_MAX_DEFINES 8
 #define DGB_MAX_PROGRAMS 19
 #define DGB_MAX_PASSES 28
-#define DGB_MAX_TEXTURES 40
+#define DGB_MAX_TEXTURES 45
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
 
@@ -289,7 +295,7 @@ typedef enum dgb_result {
     X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
     X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
     X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
-    X(EFFECTS, "effects holds an unknown bit, or BOUNCES, GLOSSY or TEMPORAL without what they need")            \
+    X(EFFECTS, "effects holds an unknown bit, or BENT, BOUNCES, GLOSSY or TEMPORAL without what they need")      \
     X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
     X(ENUM, "an enum of the desc is out of range")                                                               \
     X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
@@ -341,7 +347,8 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
        DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
        DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
-       DGB_EFFECT_GLOSSY = 32    /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_GLOSSY = 32,   /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_BENT = 64      /* with AO and BITMASK: from where the sky is seen: DGB_BENT */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -477,18 +484,23 @@ typedef enum dgb_format {
     X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                                \
     /* results: raw, averaged over frames, after the horizontal filter, final */                                         \
     X(DGB_AO_RAW, "ao_raw")                                                                                              \
+    X(DGB_BENT_RAW, "bent_raw")                                                                                          \
     X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                              \
     X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                            \
     X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */      \
+    X(DGB_BENT_MEAN, "bent_mean")                                                                                        \
     X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                            \
     X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                          \
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
+    X(DGB_LAST_BENT, "last_bent")                                                                                        \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
     /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
     X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF_BENT, "half_bent")                                                                                        \
     X(DGB_HALF1, "half1")                                                                                                \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_AO, "ao")     /* ambient visibility, 1 = open */                                                               \
+    X(DGB_BENT, "bent") /* rgb: mean of the open directions, world space, weighted by the cosine; a: the open share */   \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
     X(DGB_IRRADIANCE1,                                                                                                   \
       "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
@@ -661,6 +673,17 @@ DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
    rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
 DGB_API uint32_t dgb_sectors(float from, float to, float u);
 DGB_API int dgb_sector_count(uint32_t sectors);
+/* The angle, from the eye on, up to which a slice holds a share 0..1 of its light. Within 1e-3; the horizon for 1. */
+DGB_API float dgb_slice_angle(const float slice[4], float share);
+/* Sum {towards the eye, along} of a slice's directions from the eye up to an angle, weighted by the cosine of the normal so that the
+   weights of all, up to the horizon, add up to 1. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]);
+/* The same of the directions in some sectors. Those of all cosine-weighted directions about a normal n, over slices of all, have
+   2/3 n for their mean. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]);
+/* Cosine of the half angle of the cone that looks as open as a texel of DGB_BENT: of cosine-weighted directions about its axis, the
+   mean is as long. 0 where a hemisphere's is shorter, 1 of a single direction, and where nothing is open. */
+DGB_API float dgb_bent_cosine(const float bent[4]);
 
 /* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
 DGB_API float dgb_ggx_alpha(float roughness);
@@ -883,10 +906,11 @@ typedef struct dgb_gather_uniforms {
 
 typedef struct dgb_bitmask_uniforms { /* BITMASK: of AO and GATHER */
     dgb_camera camera;
-    int32_t size[4];  /* buffer width and height, steps to each side of a slice, frame */
-    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
-    float radius[4];  /* r (m), r^2, thickness (m), largest radius in pixels */
-    float scale[4];   /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    int32_t size[4];   /* buffer width and height, steps to each side of a slice, frame */
+    int32_t level[4];  /* log2 q, min level, max level, 1: no tile may be skipped */
+    float radius[4];   /* r (m), r^2, thickness (m), largest radius in pixels */
+    float scale[4];    /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    float world[3][4]; /* camera to world, columns */
 } dgb_bitmask_uniforms;
 
 typedef struct dgb_temporal_uniforms {
@@ -1559,6 +1583,51 @@ DGB_API int dgb_sector_count(uint32_t sectors) {
     return (int)(((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24);
 }
 
+DGB_API float dgb_slice_angle(const float slice[4], float share) {
+    const float horizon = slice[2] + (float)(0.5 * DGBI_PI);
+    float t = horizon * (float)(2.0 / DGBI_PI) * dgb_arc_sine(sqrtf(share));
+    int i;
+    for (i = 0; i < 3; ++i) { /* Newton's; at the ends, where the share does not grow, t stays */
+        const float s = sinf(t), c = cosf(t);
+        const float off = (s * s * slice[0] + (t - s * c) * slice[1]) * slice[3] - share;
+        const float slope = 2.0f * s * (c * slice[0] + s * slice[1]) * slice[3];
+        t -= off / (slope > 1e-3f ? slope : 1e-3f);
+        t = t > 0.0f ? (t < horizon ? t : horizon) : 0.0f;
+    }
+    return share < 1.0f ? t : horizon;
+}
+
+/* The integral of cos(t - g) sin t {cos t, sin t}. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]) {
+    const float s = sinf(angle), c = cosf(angle), s3 = s * s * s, c3 = c * c * c, scale = 2.0f / 3.0f * slice[3];
+    sum[0] = (slice[0] * (1.0f - c3) + slice[1] * s3) * scale;
+    sum[1] = (slice[0] * s3 + slice[1] * (2.0f - 3.0f * c + c3)) * scale;
+}
+
+/* Four sectors at a time, which lie so near together that any of them has their mean direction. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]) {
+    float before[2] = {0.0f, 0.0f};
+    int i, k;
+    sum[0] = sum[1] = 0.0f;
+    for (i = 1; i <= 8; ++i) {
+        const float part = 0.25f * (float)dgb_sector_count(sectors >> (4 * i - 4) & 15u);
+        float up_to[2];
+        dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125f * (float)i), up_to);
+        for (k = 0; k < 2; ++k) {
+            sum[k] += (up_to[k] - before[k]) * part;
+            before[k] = up_to[k];
+        }
+    }
+}
+
+/* The mean of a cone's directions is 2/3 (1 + c + c^2) / (1 + c) long; k is what is more than 2/3 of it, times 3/2. */
+DGB_API float dgb_bent_cosine(const float bent[4]) {
+    const float length = sqrtf(dgbi_dot(bent, bent));
+    const float k = dgbi_max0(1.5f * length / bent[3] - 1.0f);
+    const float cosine = 0.5f * (k + sqrtf(k * k + 4.0f * k));
+    return dgbi_is_finite(cosine) && bent[3] > 0.0f && cosine < 1.0f ? cosine : 1.0f;
+}
+
 /* >> reflections: the lobe */
 
 DGB_API float dgb_ggx_alpha(float roughness) {
@@ -1864,8 +1933,9 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
 
 static bool dgbi_effects_ok(uint32_t effects) {
     const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL |
-                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
+                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_BENT;
     if (effects & ~all) return false;
+    if ((effects & DGB_EFFECT_BENT) && !(effects & DGB_EFFECT_AO)) return false;
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
     return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_GLOSSY));
@@ -1889,7 +1959,8 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (!dgbi_in_range(d->layers, 0, max_layers)) return DGB_LOG_LAYERS;
     if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
-    if (!dgbi_effects_ok(d->effects)) return DGB_LOG_EFFECTS;
+    if (!dgbi_effects_ok(d->effects) || ((d->effects & DGB_EFFECT_BENT) && d->estimator == DGB_ESTIMATOR_PAPER))
+        return DGB_LOG_EFFECTS;
     if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) ||
         !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
         !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) ||
@@ -2073,7 +2144,7 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
 /* What the shading wants, besides what every desc has. */
 typedef struct dgbi_wants {
     int layers; /* shaded */
-    bool ao, light, bounces, temporal, reflect, glossy;
+    bool ao, bent, light, bounces, temporal, reflect, glossy;
     bool spiral;   /* something takes spiral taps: occlusion or light */
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
@@ -2084,6 +2155,7 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     dgbi_wants w;
     w.layers = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
     w.ao = (d->effects & DGB_EFFECT_AO) != 0;
+    w.bent = (d->effects & DGB_EFFECT_BENT) != 0;
     w.light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
     w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
     w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
@@ -2192,13 +2264,16 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     if (d->estimator == DGB_ESTIMATOR_BITMASK) {
         dgbi_add_define(plan, "DGB_NORMAL_TEST", 0);
         dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 0);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
     }
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
+    if (w->bent) dgbi_add_texture(plan, DGB_BENT_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_ROTATIONS);
     if (w->layers > 1) dgbi_add_input(pass, DGB_TILES);
     dgbi_add_output(pass, DGB_AO_RAW);
+    if (w->bent) dgbi_add_output(pass, DGB_BENT_RAW);
 }
 
 /* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
@@ -2214,7 +2289,10 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
             dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
         dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
         dgbi_add_define(plan, "DGB_DEEP", w->deep);
-        if (d->estimator == DGB_ESTIMATOR_BITMASK) dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+        if (d->estimator == DGB_ESTIMATOR_BITMASK) {
+            dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+            dgbi_add_define(plan, "DGB_BENT", 0);
+        }
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2248,6 +2326,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
         dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
         dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
         dgbi_add_define(plan, "DGB_DEEP", w->deep);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
         dgbi_add_define(plan, "DGB_LIMITED", limited);
     }
     dgbi_add_input(pass, DGB_Z);
@@ -2260,6 +2339,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
     if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
+    if (w->bent) dgbi_plan_mean(DGB_BENT_RAW, DGB_BENT_MEAN, DGB_LAST_BENT, plan, pass);
 }
 
 /* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
@@ -2271,12 +2351,13 @@ typedef struct dgbi_filtered {
 
 /* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
 static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
-    const dgbi_filtered results[3] = {
+    const dgbi_filtered results[4] = {
         {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
         {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
          DGB_FORMAT_RGBA16F},
         {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
-         DGB_FORMAT_RGBA16F}};
+         DGB_FORMAT_RGBA16F},
+        {w->bent, DGB_BENT_RAW, w->temporal ? DGB_BENT_MEAN : DGB_BENT_RAW, DGB_BENT, DGB_FORMAT_RGBA16F}};
     const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
@@ -2286,13 +2367,20 @@ static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_define(plan, "DGB_BENT", w->bent);
     if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
     for (i = 0; i < (w->deep ? 2 : 1); ++i) {
         if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
         if (axis == 0) dgbi_add_output(pass, halves[i]);
         if (axis == 1) dgbi_add_input(pass, halves[i]);
     }
-    for (i = 0; i < 3; ++i) {
+    if (w->bent && axis == 0) {
+        dgbi_add_texture(plan, DGB_HALF_BENT, DGB_FORMAT_RGBA16F, 0, 1);
+        dgbi_add_output(pass, DGB_HALF_BENT);
+    } else if (w->bent) {
+        dgbi_add_input(pass, DGB_HALF_BENT);
+    }
+    for (i = 0; i < 4; ++i) {
         if (!results[i].wanted) continue;
         if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
         if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
@@ -3127,6 +3215,7 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
 static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, bool light, dgb_bitmask_uniforms* u) {
     const int steps = (light ? q->samples : q->ao_samples) / (2 * q->slices);
     const float radius = light ? q->radius : q->ao_radius;
+    int column, row;
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_fill_size(c, q, steps > 1 ? steps : 1, u->size);
@@ -3139,6 +3228,8 @@ static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, boo
     u->scale[1] = 1.0f / (float)q->slices;
     u->scale[2] = q->ao_intensity;
     u->scale[3] = q->second_alone ? 0.0f : 1.0f;
+    for (column = 0; column < 3; ++column)
+        for (row = 0; row < 3; ++row) u->world[column][row] = c->drawn.view[row * 4 + column]; /* turned back */
 }
 
 static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dgb_temporal_uniforms* u) {
@@ -3324,6 +3415,7 @@ static void dgbi_remember(dgb_context* c, const dgb_params* q) {
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z}, /* present and past */
                                         {DGB_FRAMES, DGB_LAST_FRAMES},
+                                        {DGB_BENT_MEAN, DGB_LAST_BENT},
                                         {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
                                         {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1},
                                         {DGB_REFLECTION, DGB_LAST_REFLECTION},

@@ -18,6 +18,10 @@ uniform sampler2D dgb_last_frames;
 #if DGB_FILTER_AO
 uniform sampler2D dgb_ao_raw;
 #endif
+#if DGB_BENT
+uniform sampler2D dgb_bent_raw;
+uniform sampler2D dgb_last_bent;
+#endif
 #if DGB_LAST_LIGHT
 uniform sampler2D dgb_irradiance_raw;
 #endif
@@ -32,12 +36,20 @@ layout(location = 1) out vec4 dgb_out_irradiance;
 #if DGB_DEEP
 layout(location = 2) out vec4 dgb_out_irradiance1;
 #endif
+#if DGB_BENT && DGB_DEEP
+layout(location = 3) out vec4 dgb_out_bent;
+#elif DGB_BENT && DGB_LAST_LIGHT
+layout(location = 2) out vec4 dgb_out_bent;
+#elif DGB_BENT
+layout(location = 1) out vec4 dgb_out_bent;
+#endif
 
 struct dgb_history {
     float moved; // pixels since last frame
     vec4  irradiance;
     float frames, share; // share: of the bilinear weights that the surface still has
     float visibility, visibility_frames, visibility_share;
+    vec4  bent; // with the visibility's frames and share
 };
 
 // Layers hand on irradiance to each other, but visibility exists for the first alone.
@@ -53,6 +65,10 @@ void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) 
     h.visibility_share += weight;
     h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);
     h.visibility_frames += weight * dgb_storable(frames.y);
+#if DGB_BENT
+    vec4 bent = texelFetch(dgb_last_bent, texel, 0);
+    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through
+#endif
 }
 
 dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
@@ -62,7 +78,7 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
     vec2        low  = floor(past.pixel - 0.5), part = past.pixel - 0.5 - low;
     dgb_history h;
     h.moved      = length(at - past.pixel);
-    h.irradiance = vec4(0.0);
+    h.irradiance = h.bent = vec4(0.0);
     h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;
     for (int i = past.tolerance < 0.0 || !(z > DGB_EMPTY_Z) ? 4 : 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;
@@ -78,12 +94,12 @@ float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb
 
 float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
 
-// One of the two halves around each x >= 0, on average over u 0..1 x itself. Stores that always go the same way add up: with
+// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with
 // a small share of each frame, an average stays where a frame moves it less than it rounds.
 vec4 dgb_dithered(vec4 x, ivec2 pixel) {
     vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));
     uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one
-    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), greaterThanEqual(x, vec4(6.103515625e-5))); // 2^-14
+    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), greaterThanEqual(abs(x), vec4(6.103515625e-5))); // 2^-14
 }
 
 #if DGB_LIMITED
@@ -155,6 +171,11 @@ void main() {
 #endif
     open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));
+#endif
+#if DGB_BENT
+    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);
+    vec4 average = mix(bent, h.bent * share, dgb_history_weight(h.visibility_frames));
+    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, pixel) : bent;
 #endif
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);
 

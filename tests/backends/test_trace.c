@@ -1251,9 +1251,11 @@ static void test_bitmask_uniforms(void** state) {
     const dgb_bitmask_uniforms *ao, *light;
     const dgb_tiles_uniforms* tiles;
     fixture f;
+    int i;
     (void)state;
     start(&f);
     f.desc.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    for (i = 0; i < 9; ++i) f.view.view[4 * (i % 3) + i / 3] = (float)(i + 1); /* no two alike */
     f.desc.estimator = DGB_ESTIMATOR_BITMASK;
     f.params.ao_radius = 2.0f;
     f.params.ao_samples = 37; /* two slices, four sides: 9 steps each */
@@ -1279,6 +1281,7 @@ static void test_bitmask_uniforms(void** state) {
     assert_true(light->radius[0] == 3.0f && light->radius[1] == 9.0f && light->radius[2] == 0.125f);
     assert_true(fabsf(ao->radius[3] - sqrtf(80.0f * 80.0f + 64.0f * 64.0f)) < 1e-4f);
     assert_true(ao->scale[0] == 2.0f && ao->scale[1] == 0.5f && ao->scale[2] == 1.5f && ao->scale[3] == 1.0f);
+    for (i = 0; i < 9; ++i) assert_true(ao->world[i / 3][i % 3] == f.view.view[4 * (i % 3) + i / 3]); /* turned back */
     /* what is behind a surface may reach farther into the radius than the surface itself */
     assert_true(tiles->radius[0] == 2.125f && tiles->radius[1] == 3.125f);
     stop(&f);

@@ -263,6 +263,74 @@ static void test_slices_of_directions(void** state) {
     }
 }
 
+/* The share at the angle that is found for a share is that share, for all slices but those that hold next to nothing. */
+static void test_angle_of_a_share(void** state) {
+    int i, k;
+    (void)state;
+    for (i = -85; i <= 90; ++i) {
+        const double g = i * pi / 180.0;
+        const float n[3] = {(float)sin(g), 0.0f, (float)cos(g)}, v[3] = {0.0f, 0.0f, 1.0f},
+                    along[3] = {1.0f, 0.0f, 0.0f};
+        float slice[4];
+        dgb_slice(n, v, along, slice);
+        for (k = 0; k <= 32; ++k) {
+            const double t = (double)dgb_slice_angle(slice, (float)k / 32.0f);
+            /* beside the arc sine's error, as in test_share */
+            assert_true(fabs(integrated_share(g, t) - k / 32.0) < 1e-3 + 2e-4 * (double)slice[3]);
+        }
+        assert_true(fabs((double)dgb_slice_angle(slice, 1.0f) - g - 0.5 * pi) < 1e-4);
+    }
+}
+
+/* Sums of directions against the midpoint rule, and those of sectors within what four of them, bent by a 2/8 of a slice, differ. */
+static void test_sums_of_directions(void** state) {
+    int i, k;
+    (void)state;
+    for (i = -80; i <= 90; i += 5) {
+        enum { STEPS = 4000 };
+        const double g = i * pi / 180.0, horizon = g + 0.5 * pi;
+        const float n[3] = {(float)sin(g), 0.0f, (float)cos(g)}, v[3] = {0.0f, 0.0f, 1.0f},
+                    along[3] = {1.0f, 0.0f, 0.0f};
+        double weight = 0.0, sum[2] = {0.0, 0.0}, at[9][2] = {{0.0}}, whole;
+        float slice[4], out[2];
+        int sector = 0;
+        dgb_slice(n, v, along, slice);
+        whole = 1.0 / (double)slice[3];
+        for (k = 0; k < STEPS; ++k) {
+            const double t = (k + 0.5) / STEPS * horizon, w = 2.0 * cos(t - g) * sin(t) * horizon / STEPS / whole;
+            weight += w, sum[0] += w * cos(t), sum[1] += w * sin(t);
+            while (sector < 8 && weight >= (sector + 1) / 8.0) ++sector, at[sector][0] = sum[0], at[sector][1] = sum[1];
+            if (k % 500 != 499) continue;
+            dgb_slice_sum(slice, (float)((k + 1.0) / STEPS * horizon), out);
+            assert_true(fabs((double)out[0] - sum[0]) < 1e-3 && fabs((double)out[1] - sum[1]) < 1e-3);
+        }
+        dgb_sectors_mean(slice, 0u, out);
+        assert_true(out[0] == 0.0f && out[1] == 0.0f);
+        dgb_sectors_mean(slice, 0xffffffffu, out);
+        assert_true(fabs((double)out[0] - sum[0]) < 1e-3 && fabs((double)out[1] - sum[1]) < 1e-3);
+        for (k = 0; k < 7; ++k) { /* whole groups are exact */
+            dgb_sectors_mean(slice, 0xfu << (4 * k), out);
+            assert_true(fabs((double)out[0] - at[k + 1][0] + at[k][0]) < 2e-3);
+            assert_true(fabs((double)out[1] - at[k + 1][1] + at[k][1]) < 2e-3);
+        }
+    }
+}
+
+/* The cone of a mean's length: of a hemisphere, of closed cones, and where there is none. */
+static void test_bent_cosine(void** state) {
+    const float none[4] = {0.0f, 0.0f, 0.0f, 0.0f}, odd[4] = {NAN, 0.0f, 0.0f, 1.0f},
+                narrow[4] = {0.0f, 0.3f, 0.0f, 0.3f};
+    int i;
+    (void)state;
+    for (i = 0; i <= 100; ++i) {
+        const double c = i / 100.0, length = 2.0 / 3.0 * (1.0 + c + c * c) / (1.0 + c);
+        const float bent[4] = {0.0f, (float)(-0.6 * length * 0.4), (float)(0.8 * length * 0.4), 0.4f};
+        /* near 0 the cosine is the root of what lengths differ by */
+        assert_true(fabs((double)dgb_bent_cosine(bent) - c) < (i < 10 ? 1e-3 : 1e-5));
+    }
+    assert_true(dgb_bent_cosine(none) == 1.0f && dgb_bent_cosine(odd) == 0.0f && dgb_bent_cosine(narrow) > 0.99999f);
+}
+
 static void test_sector_count(void** state) {
     uint64_t seed = 1u;
     int i, k;
@@ -345,6 +413,9 @@ int main(void) {
         cmocka_unit_test(test_share),
         cmocka_unit_test(test_share_of_a_facing_surface),
         cmocka_unit_test(test_slices_of_directions),
+        cmocka_unit_test(test_angle_of_a_share),
+        cmocka_unit_test(test_sums_of_directions),
+        cmocka_unit_test(test_bent_cosine),
         cmocka_unit_test(test_sector_count),
         cmocka_unit_test(test_sectors),
         cmocka_unit_test(test_rounding_has_no_bias),
