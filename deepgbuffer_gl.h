@@ -3909,6 +3909,19 @@ static void dgbgli_create_objects(dgbgl_backend* b) {
     dgbgli_end(b);
 }
 
+static void dgbgli_refuse_version(const dgbgl_backend* b) {
+    char sentence[160];
+    dgbgli_text t = dgbgli_text_on(sentence, sizeof sentence);
+    dgbgli_put(&t, "this is OpenGL ");
+    if (b->es) dgbgli_put(&t, "ES ");
+    dgbgli_put_int(&t, b->version / 100);
+    dgbgli_put(&t, ".");
+    dgbgli_put_int(&t, b->version / 10 % 10);
+    dgbgli_put(
+        &t, "; needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float: ask for it when creating the context");
+    dgbgli_message(b, "unsupported context", sentence);
+}
+
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
     if (!gl) return DGB_INVALID;
     memset(gl, 0, sizeof *gl);
@@ -3927,7 +3940,7 @@ DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
     }
     if (gl->version < (gl->es ? 300 : 330) ||
         (gl->es && gl->version < 320 && !dgbgli_has_extension(gl, "GL_EXT_color_buffer_float"))) {
-        dgbgli_message(gl, "unsupported context", "needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float");
+        dgbgli_refuse_version(gl);
         memset(gl, 0, sizeof *gl);
         return DGB_UNSUPPORTED;
     }
