@@ -187,6 +187,44 @@ static void test_results(void** state) {
     check_view(DGBGL_VIEW_REFLECTION_LAYER, 0, DGB_REFLECTION_HIT, GL_RGBA);
 }
 
+/* A deeper layer of half the resolution fills the rectangle: texel p shows in pixels 2p and 2p + 1. */
+static void test_divisor(void** state) {
+    const dgbgl_view_desc v = view_of(DGBGL_VIEW_ALBEDO, 1);
+    const dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    const fixture_view eye = fixture_default_view();
+    const dgb_view view = fixture_dgb_view(&eye, WIDTH, HEIGHT);
+    const dgb_context whole = context;
+    fixture_draw_user user;
+    dgb_desc d = context.desc;
+    float *albedo, *depth, rgb[3];
+    int x, y, surfaces = 0;
+    (void)state;
+    memset(&user, 0, sizeof user);
+    d.divisor = 2, d.emission = DGB_EMISSION_SEPARATE;
+    d.effects = 0;
+    d.backend = &f.gl.backend;
+    assert_int_equal(dgb_init(&context, &d), DGB_OK);
+    user.f = &f;
+    user.program = fixture_program(&context);
+    assert_int_equal(dgb_build(&context, &view, &q, fixture_draw, &user), DGB_OK);
+    albedo = texels(DGB_ALBEDO, 1, GL_RGBA, 4);
+    depth = texels(DGB_DEPTH, 1, GL_DEPTH_COMPONENT, 1);
+    look(&v);
+    for (y = 0; y < HEIGHT; ++y)
+        for (x = 0; x < WIDTH; ++x) {
+            const int at = (y + GUARD) / 2 * FRAME_WIDTH + (x + GUARD) / 2;
+            expected(DGBGL_VIEW_ALBEDO, &albedo[4 * at], depth[at], rgb);
+            check_color(seen[y][x], rgb, x, y);
+            surfaces += depth[at] < 1.0f;
+        }
+    assert_true(surfaces > WIDTH * HEIGHT / 10);
+    free(albedo);
+    free(depth);
+    glDeleteProgram(user.program);
+    dgb_shutdown(&context);
+    context = whole;
+}
+
 /* Cyan where the packed second layer has a surface, red where the layer had one that was emptied, neither where it had none. */
 static void test_validity(void** state) {
     const dgbgl_view_desc v = view_of(DGBGL_VIEW_VALIDITY, 1);
@@ -263,7 +301,8 @@ static bool untouched(int x, int y) {
     return memcmp(seen[y][x], cleared, 4) == 0;
 }
 
-/* Half the size, elsewhere, and cut by the scissor: pixel p shows pixel 2p + 1 of the whole, for its centre lies there. */
+/* Half as wide and a quarter as high, elsewhere, and cut by the scissor: pixel p shows what its centre lies on, pixel 2p + 1 and
+   4p + 2 of the whole. */
 static void test_rectangle(void** state) {
     static unsigned char whole[FRAME_HEIGHT][FRAME_WIDTH][4];
     dgbgl_view_desc v = view_of(DGBGL_VIEW_NORMAL, 0);
@@ -272,7 +311,7 @@ static void test_rectangle(void** state) {
     look(&v);
     memcpy(whole, seen, sizeof whole);
     clear();
-    v.x = 10, v.y = 20, v.width = WIDTH / 2, v.height = HEIGHT / 2;
+    v.x = 10, v.y = 20, v.width = WIDTH / 2, v.height = HEIGHT / 4;
     glEnable(GL_SCISSOR_TEST);
     glScissor(0, 0, 30, FRAME_HEIGHT);
     assert_int_equal(dgbgl_draw_view(&context, &v), DGB_OK);
@@ -284,7 +323,7 @@ static void test_rectangle(void** state) {
             if (x < v.x || x >= 30 || y < v.y || y >= v.y + v.height)
                 assert_true(untouched(x, y));
             else
-                assert_memory_equal(seen[y][x], whole[2 * (y - v.y) + 1][2 * (x - v.x) + 1], 4);
+                assert_memory_equal(seen[y][x], whole[4 * (y - v.y) + 2][2 * (x - v.x) + 1], 4);
 }
 
 static void test_state_stays(void** state) {
@@ -404,9 +443,11 @@ static void test_es(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_layers),      cmocka_unit_test(test_results),  cmocka_unit_test(test_validity),
-        cmocka_unit_test(test_history),     cmocka_unit_test(test_light),    cmocka_unit_test(test_rectangle),
-        cmocka_unit_test(test_state_stays), cmocka_unit_test(test_refusals), cmocka_unit_test(test_effect_is_off),
+        cmocka_unit_test(test_layers),      cmocka_unit_test(test_results),
+        cmocka_unit_test(test_divisor),     cmocka_unit_test(test_validity),
+        cmocka_unit_test(test_history),     cmocka_unit_test(test_light),
+        cmocka_unit_test(test_rectangle),   cmocka_unit_test(test_state_stays),
+        cmocka_unit_test(test_refusals),    cmocka_unit_test(test_effect_is_off),
         cmocka_unit_test(test_no_messages), cmocka_unit_test(test_es), /* the last: it opens another context */
     };
     return cmocka_run_group_tests(tests, open_desktop, close_frame);
