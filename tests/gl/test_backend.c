@@ -354,17 +354,6 @@ static void test_bound_texture_goes(void** state) {
 
 /* >> objects */
 
-enum { NAMES = 4096 };
-
-static int count_objects(void) {
-    GLuint name;
-    int count = 0;
-    for (name = 1; name < NAMES; ++name)
-        count += glIsTexture(name) + glIsBuffer(name) + glIsFramebuffer(name) + glIsProgram(name) + glIsShader(name) +
-                 glIsSampler(name) + glIsVertexArray(name) + glIsQuery(name);
-    return count;
-}
-
 static void test_no_objects_left(void** state) {
     dgb_desc d;
     dgb_context c;
@@ -375,12 +364,12 @@ static void test_no_objects_left(void** state) {
     (void)state;
     memset(&gd, 0, sizeof gd);
     gd.get_proc = headless_get_proc;
-    before = count_objects();
+    before = fixture_count_objects();
     assert_int_equal(dgbgl_init(&gl, &gd), DGB_OK);
     d = small_desc();
     d.backend = &gl.backend;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
-    assert_true(count_objects() > before + 20); /* or the count sees nothing */
+    assert_true(fixture_count_objects() > before + 20); /* or the count sees nothing */
     program = fixture_program(&c);
     run_frame(&c, program);
     assert_int_equal(dgb_resize(&c, 50, 70), DGB_OK);
@@ -389,7 +378,7 @@ static void test_no_objects_left(void** state) {
     glDeleteProgram(program);
     dgb_shutdown(&c);
     dgbgl_shutdown(&gl);
-    assert_int_equal(count_objects(), before);
+    assert_int_equal(fixture_count_objects(), before);
 }
 
 static void test_resize_equals_fresh(void** state) {
@@ -572,9 +561,9 @@ static void test_out_of_memory(void** state) {
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     program = fixture_program(&c);
     run_frame(&c, program);
-    before = count_objects();
+    before = fixture_count_objects();
     assert_int_equal(dgb_resize(&c, 16000, 16000), DGB_OUT_OF_MEMORY); /* 8 GB of depth: refused at once */
-    assert_int_equal(count_objects(), before);
+    assert_int_equal(fixture_count_objects(), before);
     run_frame(&c, program); /* the old textures go on */
     glDeleteProgram(program);
     dgb_shutdown(&c);
@@ -849,9 +838,9 @@ static void test_calibration(void** state) {
     k.frames = 2;
     assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms),
                      DGB_OK); /* the timers' queries come to life in their first use */
-    before = count_objects();
+    before = fixture_count_objects();
     assert_int_equal(dgbgl_calibrate(&f.gl, &k, &d, ms), DGB_OK);
-    assert_int_equal(count_objects(), before);
+    assert_int_equal(fixture_count_objects(), before);
     assert_true(d.emission > DGB_EMISSION_AUTO && f.gl.backend.caps.emission[d.emission]);
     assert_true(ms[d.emission] == ms[DGB_EMISSION_AUTO] && ms[DGB_EMISSION_AUTO] > 0.0);
     assert_int_equal(user.prepared, user.released);
