@@ -16,9 +16,10 @@
 
 #include <epoxy/gl.h> /* for its values: nothing of it is called */
 
-#define ALL_EFFECTS                                                                                         \
+#define PAPER_EFFECTS                                                                                       \
     (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | \
      DGB_EFFECT_GLOSSY)
+#define ALL_EFFECTS (PAPER_EFFECTS | DGB_EFFECT_BENT) /* with BITMASK */
 
 /* Of long loops, every so manieth turn, a prime so that all kinds of turns come; with DGB_FULL=1 (make test-full) each. */
 static int stride(void) { return getenv("DGB_FULL") ? 1 : 11; }
@@ -46,11 +47,13 @@ enum { CONTEXTS = (int)(sizeof contexts / sizeof contexts[0]) };
 
 /* >> an engine on the stub: its calls go past the faults */
 
+enum { LAYERS = 12 }; /* textures of an engine's own layers */
+
 static dgbgl_functions own; /* entry points */
 
 static struct engine {
     const struct context* context;
-    GLuint vertex_array, textures[11];
+    GLuint vertex_array, textures[LAYERS];
     size_t state_size;
     void* state;
     GLuint program;
@@ -129,7 +132,7 @@ static void load_own(void) {
 }
 
 static dgb_layers make_layers(void) {
-    dgb_texture* where[11];
+    dgb_texture* where[LAYERS];
     dgb_layers layers;
     int i;
     memset(&layers, 0, sizeof layers);
@@ -141,10 +144,11 @@ static dgb_layers make_layers(void) {
         where[8 + i] = &layers.velocity[i];
     }
     where[10] = &layers.roughness;
-    own.GenTextures(11, engine.textures);
-    for (i = 0; i < 11; ++i) {
+    where[11] = &layers.back;
+    own.GenTextures(LAYERS, engine.textures);
+    for (i = 0; i < LAYERS; ++i) {
         own.BindTexture(GL_TEXTURE_2D, engine.textures[i]);
-        if (i < 2)
+        if (i < 2 || i == 11)
             own.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, 96, 64, 0, GL_DEPTH_COMPONENT, GL_FLOAT, NULL);
         else
             own.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, 96, 64, 0, GL_RGBA, GL_FLOAT, NULL);
@@ -183,6 +187,7 @@ typedef struct setup {
     int layers, divisor;
     dgb_estimator estimator;
     dgb_tracer tracer;
+    dgb_thickness thickness;
 } setup;
 
 static gl_session session_of(const setup* u, const dgb_layers* layers) {
@@ -200,6 +205,7 @@ static gl_session session_of(const setup* u, const dgb_layers* layers) {
     s.desc.divisor = u->divisor;
     s.desc.estimator = u->estimator;
     s.desc.tracer = u->tracer;
+    s.desc.thickness = u->thickness;
     s.make_program = u->source == DGB_SOURCE_BUILD ? make_program : NULL;
     s.delete_program = u->source == DGB_SOURCE_BUILD ? delete_program : NULL;
     s.draw = draw;
@@ -286,14 +292,15 @@ static void test_every_effect(void** state) {
     unsigned kind;
     (void)state;
     for (i = 0; i < CONTEXTS; ++i)
-        for (kind = (unsigned)i; kind < 64u * 8u; kind += (unsigned)stride()) {
+        for (kind = (unsigned)i; kind < 128u * 16u; kind += (unsigned)stride()) {
             setup u;
             memset(&u, 0, sizeof u);
-            u.effects = kind % 64u;
-            u.source = kind & 64u ? DGB_SOURCE_ENGINE : DGB_SOURCE_BUILD;
-            u.estimator = kind & 128u ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
+            u.effects = kind % 128u;
+            u.source = kind & 128u ? DGB_SOURCE_ENGINE : DGB_SOURCE_BUILD;
+            u.estimator = kind & 256u ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
             u.tracer = u.estimator == DGB_ESTIMATOR_BITMASK ? DGB_TRACER_LINEAR : DGB_TRACER_HIERARCHICAL;
-            u.layers = kind & 256u ? 1 : 2;
+            u.layers = kind & 512u ? 1 : 2;
+            u.thickness = kind & 1024u ? DGB_THICKNESS_BACK_FACES : DGB_THICKNESS_LAYERS;
             if (!is_offered(&contexts[i], &u)) continue;
             check_well(&contexts[i], &u);
             ++count;
@@ -310,11 +317,14 @@ static const struct trial {
     setup u;
 } trials[] = {
     {0,
-     {DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY, DGB_SOURCE_BUILD, DGB_ORACLE_PREDICT, DGB_EMISSION_GEOMETRY, 3, 1, 0, 0}},
-    {1, {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_WARP, DGB_EMISSION_SEPARATE, 2, 2, 0, DGB_TRACER_HIERARCHICAL}},
-    {5, {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO, 2, 1, DGB_ESTIMATOR_BITMASK, 0}},
-    {6, {DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_SOURCE_BUILD, DGB_ORACLE_PEEL, DGB_EMISSION_AUTO, 2, 1, 0, 0}},
-    {4, {ALL_EFFECTS, DGB_SOURCE_ENGINE, 0, 0, 2, 1, 0, 0}}};
+     {DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY, DGB_SOURCE_BUILD, DGB_ORACLE_PREDICT, DGB_EMISSION_GEOMETRY, 3, 1, 0, 0,
+      0}},
+    {1, {PAPER_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_WARP, DGB_EMISSION_SEPARATE, 2, 2, 0, DGB_TRACER_HIERARCHICAL, 0}},
+    {5,
+     {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO, 2, 1, DGB_ESTIMATOR_BITMASK, 0,
+      DGB_THICKNESS_BACK_FACES}},
+    {6, {DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_SOURCE_BUILD, DGB_ORACLE_PEEL, DGB_EMISSION_AUTO, 2, 1, 0, 0, 0}},
+    {4, {ALL_EFFECTS, DGB_SOURCE_ENGINE, 0, 0, 2, 1, DGB_ESTIMATOR_BITMASK, 0, DGB_THICKNESS_BACK_FACES}}};
 enum { TRIALS = (int)(sizeof trials / sizeof trials[0]) };
 
 enum { INIT_FAULTS = 130 };
@@ -423,7 +433,7 @@ static void draw_badly(void* user, const dgb_draw* d) {
 static void test_errors_of_the_engine(void** state) {
     static const float projection[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002f, -1, 0, 0, -0.2002f, 0};
     const dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
-    const setup u = {DGB_EFFECT_AO, DGB_SOURCE_BUILD, DGB_ORACLE_DEFAULT, DGB_EMISSION_SEPARATE, 2, 1, 0, 0};
+    const setup u = {DGB_EFFECT_AO, DGB_SOURCE_BUILD, DGB_ORACLE_DEFAULT, DGB_EMISSION_SEPARATE, 2, 1, 0, 0, 0};
     dgbgl_desc gd;
     dgbgl_backend gl;
     dgb_desc d = session_of(&u, NULL).desc;

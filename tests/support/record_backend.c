@@ -310,7 +310,7 @@ static void check_key(const record_backend* r, const dgb_pass* pass) {
 /* Layered passes give the deeper layers a viewport of their own, which no pass but those has. */
 static void check_deep_viewport(const record_backend* r, const dgb_pass* pass) {
     const dgb_texture_desc* t;
-    if (pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT) {
+    if (pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_BACK && pass->id != DGB_PASS_PREDICT) {
         if (pass->deep_width != 0.0f || pass->deep_height != 0.0f)
             fail_msg("pass %s has a second viewport", dgb_pass_name(pass->id));
         return;
@@ -390,6 +390,7 @@ static void on_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int 
 static size_t uniform_size(dgb_pass_id pass) {
     switch (pass) {
     case DGB_PASS_LAYERS:
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT: return sizeof(dgb_draw_uniforms);
     case DGB_PASS_WARP: return sizeof(dgb_warp_uniforms);
     case DGB_PASS_RESOLVE: return sizeof(int32_t[4]);

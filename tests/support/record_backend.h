@@ -54,7 +54,7 @@ typedef struct record_object {
 typedef struct record_uniforms {
     dgb_pass_id pass;
     union {
-        dgb_draw_uniforms draw; /* LAYERS and PREDICT */
+        dgb_draw_uniforms draw; /* LAYERS, BACK and PREDICT */
         dgb_warp_uniforms warp;
         int32_t resolve[4];
         dgb_pack_uniforms pack;
