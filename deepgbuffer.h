@@ -47,7 +47,8 @@
                     for light from elsewhere: a light probe, or a constant. (The paper takes the confidence itself; twice
                     that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add their
                     reflectance or environment BRDF times lerp(environment, L, confidence), both from DGB_REFLECTION.
-                    dgbgl_composite_snippet has these in GLSL.
+                    dgbgl_composite_snippet has these in GLSL. Results are as large as the buffer: pixel p of the image is
+                    texel p + guard_band.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -116,6 +117,7 @@
        the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
 
    CHOOSING QUALITY
+       (The README's "Tune it" goes by what you see: noise, flicker, halos, leaks, borders.)
        Set three lengths to your scene first: separation (what lies behind a column is about that far behind: 0.5 m in
        rooms and courts), ao_radius (the size of a crease that should darken) and radius (how far light bounces).
        Then take a preset, the paper's Table 2; every number can be changed from frame to frame without compiling anything.
@@ -137,8 +139,9 @@
        paper's advice: more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A surface that
        has just come into view averages the frames that it has. history_clamp keeps history within what this frame's neighbours
        found, where surfaces move: 1 to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples,
-       and their light with them: the picture gets darker where few taps find a lamp. Where its history lies is told by velocities and checked against both layers of last frame, within
-       history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
+       and their light with them: the picture gets darker where few taps find a lamp. Velocities tell where a surface's history
+       lies; it is checked against both layers of last frame, within history_tolerance of the distance or history_floor: a
+       surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
        DGB_EFFECT_BENT, with AO and BITMASK, says from where a point is open: the mean of the open directions, in world space and
        weighted by the cosine, whose direction is the bent normal and whose length, over the open share beside it, tells how wide
@@ -237,7 +240,7 @@
 
    VERSION HISTORY
        0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction,
-              mirror and glossy reflections; OpenGL backend
+              mirror and glossy reflections; visibility bitmask, bent directions, thickness by back faces; OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H
@@ -280,12 +283,12 @@ extern "C" {
 #define DGB_MAX_SLICES 8                  /* of the visibility bitmask */
 #define DGB_ROTATION_COUNT 256            /* rotations of the spiral */
 #define DGB_TILE_SIZE 16                  /* pixels along one side of a tile */
-#define DGB_REGION_SIZE 128
-#define DGB_CELL_SIZE 4     /* pixels along one side of a cell of the finest depth ranges */
-#define DGB_AO_LOG2_Q 3     /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
-#define DGB_GATHER_LOG2_Q 4 /* radiosity taps within 2^4 = 16 pixels read level 0 */
-#define DGB_MAX_TARGETS 4   /* colour targets of one pass */
-#define DGB_MAX_INPUTS 14   /* textures read by one pass */
+#define DGB_REGION_SIZE 128               /* of a region: 8 x 8 tiles */
+#define DGB_CELL_SIZE 4                   /* pixels along one side of a cell of the finest depth ranges */
+#define DGB_AO_LOG2_Q 3                   /* AO taps within 2^3 = 8 pixels read level 0 (method of the paper, q) */
+#define DGB_GATHER_LOG2_Q 4               /* radiosity taps within 2^4 = 16 pixels read level 0 */
+#define DGB_MAX_TARGETS 4                 /* colour targets of one pass */
+#define DGB_MAX_INPUTS 14                 /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
 #define DGB_MAX_PROGRAMS 19
 #define DGB_MAX_PASSES 28
@@ -1044,7 +1047,7 @@ typedef struct dgb_draw {         /* what the engine's draw callback is told */
     dgb_oracle oracle;            /* of this pass: PEEL on first frames */
     dgb_emission emission;
     int pose;                       /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
-                                              or after it (1: PREDICT); `previous` is the pose before that */
+                                       or after it (1: PREDICT); `previous` is the pose before that */
     bool depth_only;                /* no colour is kept: a cheaper program will do */
     bool back_faces;                /* cull front faces instead of back faces; what has two sides, neither */
     int width, height;              /* buffer, guard band included */
@@ -1104,19 +1107,26 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height);
 /* Destroys all objects. A context that is null, zero or already shut down is ignored. */
 DGB_API void dgb_shutdown(dgb_context* context);
 
-/* Builds the layers: calls `draw` once (single pass) or once a layer. Uses separation of params. */
+/* Builds the layers: calls `draw` once (single pass) or once a layer, and again for the depth that PREDICT, DELAY and
+   BACK_FACES want; dgb_draw says what each call is for. All of params is checked, separation alone is used.
+   DGB_INVALID, and nothing is drawn: null, a wrong matrix or parameter, a context for the engine's own layers (the log says
+   which). DGB_OUT_OF_MEMORY, DGB_DEVICE: the device failed, the layers are lost. */
 DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw,
                              void* user);
-/* Instead of dgb_build: takes the engine's own layers for the next dgb_shade. */
+/* Instead of dgb_build: takes the engine's own layers for every dgb_shade until the next call. The textures must live as long;
+   they are read, never written. DGB_INVALID, and nothing is taken: null, a wrong matrix, a missing texture that the plan reads, a
+   context that builds its own. */
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers);
 /* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. Another call without new layers
    is another frame in which nothing has moved. Two dgb_build without a call between them lose the history, whose velocities
-   reach back one frame. */
+   reach back one frame. DGB_INVALID, and nothing runs: null, a wrong parameter, no layers. DGB_OUT_OF_MEMORY, DGB_DEVICE: the
+   device failed, history and results are lost. */
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
 
-/* A texture of the plan, id 0 if the plan has none. Valid until dgb_resize, dgb_shutdown, or, for those that change places
-   with last frame's, the next dgb_build (DGB_DEPTH, DGB_ORACLE, DGB_PREDICTED) or dgb_shade (DGB_Z, DGB_FRAMES, the means,
-   with GLOSSY and TEMPORAL DGB_REFLECTION, and all DGB_LAST). DGB_AO and DGB_IRRADIANCE stay. */
+/* A texture of the plan, id 0 if the plan has none, for a null or dead context, or a slot out of range. Valid until
+   dgb_resize, dgb_shutdown, or, for those that change places with last frame's, the next dgb_build (DGB_DEPTH,
+   DGB_ORACLE, DGB_PREDICTED) or dgb_shade (DGB_Z, DGB_FRAMES, the means, with GLOSSY and TEMPORAL DGB_REFLECTION, and
+   all DGB_LAST). DGB_AO and DGB_IRRADIANCE stay. */
 DGB_API dgb_texture dgb_get_texture(const dgb_context* context, dgb_slot slot);
 
 DGB_API const char* dgb_result_name(dgb_result result);       /* "DGB_OK"; "?" out of range, here and below */

@@ -66,9 +66,9 @@
        After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback the oracle sits
-       in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
-       with IMAGE emission the layers are bound to image units 0 to 4 as well.
+       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback
+       the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding
+       (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
    TO LOOK AT IT
        dgbgl_view_desc v = {0};
@@ -334,8 +334,9 @@ DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* c
                                    double milliseconds[DGB_EMISSION_COUNT]);
 
 /* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the library found
-   with a probe's light and an environment map's by its confidence: put it into the shader that composites, after #version. As
-   snprintf. */
+   with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of dgb_bent_direction(bent, normal),
+   dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the light of a prefiltered cube map from where a
+   point is open: put it into the shader that composites, after #version. As snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* What dgbgl_draw_view can show. X(name, word, slot, legend); those up to VALIDITY are of one layer. */
