@@ -91,9 +91,9 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
     $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
 endif
 
-.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference examples bench fuzz gpu-cost \
-        core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
-        format format-fix tidy clean
+.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference examples bench fuzz \
+        gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
+        uninstall embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
