@@ -100,7 +100,7 @@ extern "C" {
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
-/* Compiler and linker messages with the pass they belong to; what the driver lacks. */
+/* Compiler and linker messages with the pass they belong to; what the driver lacks; errors of GL that are the engine's. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
 typedef struct dgbgl_desc {     /* 0 means default */
