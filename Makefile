@@ -85,6 +85,12 @@ example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
+# What the examples cannot do without is named before the first of them is compiled.
+ifneq ($(filter all examples,$(or $(MAKECMDGOALS),all)),)
+$(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null && echo yes),, \
+    $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
+endif
+
 .PHONY: all help setup demo test test-full check check-core check-gl check-reference examples bench fuzz gpu-cost core-tests gl-tests \
         gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
         format format-fix tidy clean

@@ -442,6 +442,37 @@ static void test_gl33(void** state) {
     assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
 }
 
+static void keep_message(void* user, const char* text) { snprintf((char*)user, 256, "%s", text); }
+
+static void say_gl32(GLenum name, GLint* value) {
+    glGetIntegerv(name, value);
+    if (name == GL_MAJOR_VERSION) *value = 3;
+    if (name == GL_MINOR_VERSION) *value = 2;
+}
+
+static void* gl32_get_proc(const char* name) {
+    void (*const get)(GLenum, GLint*) = say_gl32;
+    void* address = headless_get_proc(name);
+    if (strcmp(name, "glGetIntegerv") == 0) memcpy(&address, &get, sizeof address);
+    return address;
+}
+
+/* An older context is refused in a sentence that names it, and nothing is left to shut down. */
+static void test_gl32(void** state) {
+    dgbgl_backend gl, zero;
+    dgbgl_desc gd;
+    char message[256] = "";
+    (void)state;
+    memset(&zero, 0, sizeof zero);
+    memset(&gd, 0, sizeof gd);
+    gd.get_proc = gl32_get_proc;
+    gd.message = keep_message;
+    gd.message_user = message;
+    assert_int_equal(dgbgl_init(&gl, &gd), DGB_UNSUPPORTED);
+    assert_non_null(strstr(message, "this is OpenGL 3.2; needs OpenGL 3.3, or OpenGL ES 3.0 with"));
+    assert_memory_equal(&gl, &zero, sizeof gl);
+}
+
 /* >> geometry shader from a list of varyings */
 
 static int faults; /* messages of the backend */
@@ -610,6 +641,7 @@ int main(void) {
         cmocka_unit_test(test_no_messages),
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_gl33),
+        cmocka_unit_test(test_gl32),
         cmocka_unit_test(test_varyings),
         cmocka_unit_test(test_no_messages),
     };
