@@ -374,7 +374,8 @@ typedef struct dgbgl_view_desc { /* 0 means default */
 /* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB values, within the
    scissor if that test is on. All other state is kept. The first call compiles a program. A texture that changes places with last
    frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
-   DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments. */
+   DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments;
+   DGB_OUT_OF_MEMORY or DGB_DEVICE where the driver refuses. */
 DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view);
 DGB_API const char* dgbgl_view_name(dgbgl_view view);   /* "reflection_layer"; "?" out of range, here and below */
 DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean */
@@ -4350,6 +4351,7 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
     dgbgl_backend* b;
     dgbgli_view_uniforms uniforms;
     const char* fault;
+    dgb_result result;
     bool scissor, drawn;
     int width, height;
     if (!context || !view || context->backend.texture_create != dgbgli_texture_create) return DGB_INVALID;
@@ -4376,9 +4378,9 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
         b->gl.BindVertexArray(b->vertex_array);
         dgbgli_draw_fullscreen(b, program);
     }
-    dgbgli_end(b);
+    result = dgbgli_end(b);
     if (b->gl.PopDebugGroup) b->gl.PopDebugGroup();
-    return drawn ? DGB_OK : DGB_DEVICE;
+    return drawn ? result : DGB_DEVICE;
 }
 
 /* >> init, shutdown */

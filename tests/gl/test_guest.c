@@ -147,6 +147,15 @@ static void disturb_and_look(disorder* k) {
     before = gl_state_take();
 }
 
+static void check_view(const dgb_context* c, disorder* k) {
+    dgbgl_view_desc v;
+    memset(&v, 0, sizeof v);
+    v.view = DGBGL_VIEW_AO;
+    disturb_and_look(k);
+    assert_int_equal(dgbgl_draw_view(c, &v), DGB_OK);
+    expect_same_state("dgbgl_draw_view");
+}
+
 static void run(const dgb_desc* d, unsigned seed, bool wild, picture pictures[FRAMES]) {
     const dgb_params q = params();
     disorder k;
@@ -170,6 +179,7 @@ static void run(const dgb_desc* d, unsigned seed, bool wild, picture pictures[FR
         disturb_and_look(&k);
         assert_int_equal(dgb_shade(&c, &q), DGB_OK);
         expect_same_state("dgb_shade");
+        if (seed) check_view(&c, &k); /* else no framebuffer is bound */
         if (seed) gl_state_calm_reading();
         pictures[frame] = take_picture(&c);
     }
