@@ -18,8 +18,15 @@ flags_release  := -O2
 flags_sanitize := -O1 -g -fno-omit-frame-pointer $(sanitizers)
 flags_fastmath := -O2 -ffast-math
 flags_coverage := -O0 -g --coverage
+flags_fuzz     := $(flags_sanitize) -fsanitize=fuzzer-no-link
 flags := $(flags_$(config))
-$(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath or coverage))
+$(if $(flags),,$(error config=$(config): choose debug, release, sanitize, fastmath, coverage or fuzz))
+
+# libFuzzer is clang's.
+ifeq ($(config),fuzz)
+CC  := clang
+CXX := clang++
+endif
 
 # Third-party headers come in as system headers: their warnings are not ours.
 packages := egl epoxy glfw3 sdl2 imgui cmocka glm CLI11 stb tinygltf vulkan
@@ -62,9 +69,18 @@ benchmarks := $(patsubst %,$(B)/%,$(basename $(wildcard tests/bench/*.c tests/be
 reference_tests       = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/reference/test_*.cpp))
 reference_benchmarks := $(patsubst %.cpp,$(B)/%,$(shell grep -l '"reference.hpp"' tests/bench/*.cpp))
 
+# Programs that test parts of the examples which need no GPU.
+scene_tests = $(patsubst %.cpp,build/$(1)/%,$(wildcard tests/examples/test_*.cpp))
+
+# Fuzz targets: with libFuzzer, where clang has it, in config=fuzz, else with a driver that reads files.
+fuzz_targets = $(patsubst %,build/$(1)/%,$(basename $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cpp)))
+fuzzer       = $(shell echo 'int LLVMFuzzerTestOneInput(void) { return 0; }' | \
+    clang -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
+
 source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
+fuzz_tests    := tests/fuzz/fuzz.sh
 example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
@@ -75,8 +91,9 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
     $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
 endif
 
-.PHONY: all help setup demo test check check-core check-gl check-reference examples bench gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests trade budget install uninstall embed embed-check shaders-check format format-fix tidy clean
+.PHONY: all help setup demo test check check-core check-gl check-reference examples bench fuzz gpu-cost core-tests gl-tests \
+        gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
+        format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -106,11 +123,12 @@ demo: ## set up, build and render the atrium into build/demo
 
 test: setup ## set up, build and run every test
 	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests build/release/trade
-	@$(MAKE) config=sanitize core-tests
+	@$(MAKE) config=sanitize core-tests scene-tests fuzz-targets
 	@$(MAKE) config=fastmath core-tests
+	@$(if $(fuzzer),$(MAKE) config=fuzz fuzz-targets)
 	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
-	    $(call reference_tests,release) tests/trade/trade.sh $(example_tests)
+	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)
@@ -130,6 +148,12 @@ examples: $(examples) ## build every example
 
 bench: $(benchmarks) ## build and run the benchmarks, quickly; SCENES="FILE@CAMERA ..." adds scenes
 	@set -e; for program in $^; do $$program --quick $(SCENES); done
+
+SECONDS ?= 20
+fuzz: ## run each fuzz target for SECONDS=20 on inputs that libFuzzer makes up; an hour each finds more
+	@$(MAKE) config=sanitize fuzz-targets
+	@$(if $(fuzzer),$(MAKE) config=fuzz fuzz-targets)
+	@TEST_TIMEOUT=0 FUZZ_SECONDS=$(SECONDS) tests/run $(fuzz_tests)
 
 gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table, and build/gpu_cost.csv
 	@$(if $(vulkan),$(gpu_cost),echo "gpu-cost: skipped: libvulkan is missing (Debian, Ubuntu: libvulkan-dev)")
@@ -197,6 +221,8 @@ core-tests: $(call core_tests,$(config))
 gl-tests: $(gl_tests)
 gpu-tests: $(if $(vulkan),$(gpu_cost))
 reference-tests: $(call reference_tests,$(config))
+scene-tests: $(call scene_tests,$(config))
+fuzz-targets: $(call fuzz_targets,$(config))
 
 # >> rules: objects, archives, programs
 
@@ -246,6 +272,20 @@ $(integrations): $(B)/%: $(B)/obj/examples/%.o $(B)/integrations.a
 $(B)/viewer: $(call objects,$(viewer_sources)) $(B)/examples.a
 	$(call say,link)
 	$(call link,$(CXX),imgui glfw3 epoxy $(gltf))
+
+scene_loader := $(call objects,examples/scene_gltf.cpp examples/scene_pose.cpp)
+
+$(call scene_tests,$(config)): $(B)/%: $(B)/obj/%.o $(scene_loader)
+	$(call say,link)
+	$(call link,$(CXX),cmocka $(gltf))
+
+# What a fuzz target may call: the library, the recording backend, the loader of scenes. The driver stands in for libFuzzer.
+fuzzed := $(call objects,tests/fuzz/fuzz.c tests/support/deepgbuffer.c tests/support/record_backend.c \
+    $(if $(filter-out fuzz,$(config)),tests/fuzz/driver.c)) $(scene_loader)
+
+$(call fuzz_targets,$(config)): $(B)/%: $(B)/obj/%.o $(fuzzed)
+	$(call say,link)
+	$(call link,$(CXX) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer),cmocka $(gltf))
 
 $(call core_tests,$(config)): $(B)/%: $(B)/obj/%.o $(B)/support.a
 	$(call say,link)

@@ -64,12 +64,13 @@
        depth -> [warp]        WARP: last frame's depth from this frame's camera
        scene -> [layers]      depth, albedo, normal + material, radiance, velocity: 160 bits a pixel and layer
              -> [resolve]     IMAGE emission: depth bits of deeper layers become depth
+             -> [back]        BACK_FACES: depth of the nearest back faces behind the first layer
              -> [predict]     PREDICT and DELAY: depth of the next pose
              -> [pack]        camera z and normals of two layers, radiance of each, with BOUNCES plus what last frame's
                               irradiance makes of it: 160 bits a pixel
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [tiles]       where the second layer can matter at all
-             -> [ao]          ambient visibility
+             -> [ao]          ambient visibility, with BENT where it opens to
              -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
@@ -121,22 +122,28 @@
        samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
        min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
        results.
-       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of the
-       cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what is
-       behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is the
-       probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say. The
-       taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for TEMPORAL, more
-       share out the noise. thickness is how far behind its surface an object is taken to hide: the second layer ends it where
-       that is nearer. With normal_test a sender stands for the whole step around it, along its plane; without, light leaks past
-       surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
+       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of
+       the cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what
+       is behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is
+       the probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say.
+       The taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for
+       TEMPORAL, more share out the noise. thickness is how far behind its surface an object is taken to hide at most
+       (desc.thickness). With normal_test a sender stands for the whole step around it, along its plane; without, light leaks
+       past surfaces thinner than the step. What lies beyond the buffer neither hides nor sends.
        DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
        DGB_EFFECT_TEMPORAL averages over frames, each of which takes other taps. history_weight 0.85 is the
-       paper's advice: more is smoother and lags behind moving lights. A surface that has just come into view averages the
-       frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
+       paper's advice: more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A surface that
+       has just come into view averages the frames that it has. history_clamp keeps history within what this frame's neighbours
+       found, where surfaces move: 1 to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples,
+       and their light with them: the picture gets darker where few taps find a lamp. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
+       DGB_EFFECT_BENT, with AO and BITMASK, says from where a point is open: the mean of the open directions, in world space and
+       weighted by the cosine, whose direction is the bent normal and whose length, over the open share beside it, tells how wide
+       the opening is (dgb_bent_cosine). A probe that is looked up there lights a corner under a window from the window:
+       dgb_bent_direction and dgb_probe_visible of the composite snippet. Of an open point it is 2/3 of the normal, exactly.
        PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
@@ -152,6 +159,12 @@
        and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
        less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
        stands still lags behind. Roughness 0 is the mirror, exactly.
+       desc.thickness: what ends a surface of the first layer sooner than thickness (BITMASK) and reflect_thickness, which are
+       all there is to know of the second layer's. LAYERS: the second layer. BACK_FACES: that, and the nearest back face behind the
+       first, but for a quarter of the most: thin things let rays pass behind them, and the most can be several times longer (1 m in
+       rooms). Takes one more draw of the scene, of depth alone, whatever the emission (dgb_draw.back_faces: cull front faces; draw
+       both sides of what has two; alpha test as ever), a depth texture and 8 bytes a pixel more of DGB_Z. Measures closed
+       objects; behind open ones lies the back of another or none, and the most stands in. CONSTANT: nothing, to compare with.
        desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
        that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
        longer the rays and the shorter the steps, the more it saves.
@@ -167,13 +180,16 @@
            texture_create / texture_destroy, program_create / program_destroy        in dgb_init, dgb_resize, dgb_shutdown
            pass_begin, texture_bind*, uniforms_upload, draw_fullscreen, pass_end     a full-screen pass
            pass_begin, texture_bind*, uniforms_upload, <your draw callback>, pass_end   the layered pass
-       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. textures bound to a pass
+       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. When pass_begin returns an
+       error, nothing else of the call runs, but `end`, which tells of what the device refused without pass_begin's noticing:
+       of passes only, for whoever creates something tells of that itself. Textures bound to a pass
        are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
-       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once), viewport,
-       clearing, depth direction. Layered passes (LAYERS, PREDICT) draw with the depth test on; WARP and RESOLVE write depth from a
-       full-screen triangle; the others have no depth. caps.emission says what the backend can do; SEPARATE is enough.
+       What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once),
+       viewport, clearing, depth direction. Layered passes (LAYERS, BACK, PREDICT) draw with the depth test on; WARP and
+       RESOLVE write depth from a full-screen triangle; the others have no depth. caps.emission says what the backend
+       can do; SEPARATE is enough.
        examples/integrations/custom_rhi.c is one to start from, tests/support/record_backend.c one without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
@@ -186,6 +202,8 @@
        dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
        dgb_pixel_hash           any int            exact, same in GLSL          -
        dgb_pixel_pair           any int            exact, same in GLSL          -
+       dgb_hilbert_index        any int            exact, same in GLSL          -
+       dgb_pixel_quad           any int            exact, same in GLSL          -
        dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
        dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
        dgb_keep_test            any float          exact                        NaN anywhere: false
@@ -197,6 +215,8 @@
        dgb_arc_sine             any float          6.8e-5                       beyond +-1: that of +-1
        dgb_slice_share          any float          1e-3                         not finite: 1
        dgb_sectors              any float          exact                        NaN: the first sector's end
+       dgb_slice_angle          share 0..1         1e-3                         -
+       dgb_bent_cosine          any float[4]       1e-3 at 0, else 1e-5         nothing open: 1; NaN: 0
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
@@ -207,7 +227,8 @@
    ERRORS
        Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason is
        a dgb_log_item and one sentence, given to desc.log. A context that is null or not live gives DGB_INVALID and no
-       sentence: it has no log.
+       sentence: it has no log. A device that fails while dgb_build draws takes the layers with it, one that fails in dgb_shade
+       the history and the results: the next call starts afresh.
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
@@ -266,9 +287,9 @@ extern "C" {
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 18
+#define DGB_MAX_PROGRAMS 19
 #define DGB_MAX_PASSES 28
-#define DGB_MAX_TEXTURES 40
+#define DGB_MAX_TEXTURES 45
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
 
@@ -276,8 +297,8 @@ typedef enum dgb_result {
     DGB_OK = 0,
     DGB_INVALID,       /* an argument is wrong; nothing changed */
     DGB_UNSUPPORTED,   /* the backend cannot do it; nothing changed */
-    DGB_OUT_OF_MEMORY, /* the device has no room; nothing changed */
-    DGB_DEVICE         /* the device refused for another reason; nothing changed */
+    DGB_OUT_OF_MEMORY, /* the device has no room; nothing changed, unless while drawing (DGB_LOG_PASS) */
+    DGB_DEVICE         /* the device refused for another reason; likewise */
 } dgb_result;
 
 /* X(name, sentence): every reason a call can give. */
@@ -286,7 +307,7 @@ typedef enum dgb_result {
     X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
     X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
     X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
-    X(EFFECTS, "effects holds an unknown bit, or BOUNCES, GLOSSY or TEMPORAL without what they need")            \
+    X(EFFECTS, "effects holds an unknown bit, or BENT, BOUNCES, GLOSSY or TEMPORAL without what they need")      \
     X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
     X(ENUM, "an enum of the desc is out of range")                                                               \
     X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
@@ -307,7 +328,8 @@ typedef enum dgb_result {
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
     X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                      \
     X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
-    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
+    X(HISTORY_PARAMS,                                                                                            \
+      "history_weight must be 0 to 0.999, history_tolerance, _floor, _clamp and sample_clamp finite and >= 0")   \
     X(REFLECT_PARAMS,                                                                                            \
       "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
     X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                               \
@@ -316,7 +338,8 @@ typedef enum dgb_result {
     X(GUARD_FRACTION, "guard_fraction must be 0 to 1")                                                           \
     X(WRONG_SOURCE, "dgb_build is for layers the library builds, dgb_set_layers for the engine's own")           \
     X(INPUT, "a texture that the plan reads was not given")                                                      \
-    X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")
+    X(NO_LAYERS, "there is nothing to shade: no dgb_build or dgb_set_layers since init, resize or a failure")    \
+    X(PASS, "the device failed while it drew: layers or results of this frame are lost")
 
 typedef enum dgb_log_item {
     DGB_LOG_NONE = 0,
@@ -337,7 +360,8 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
        DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
        DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
-       DGB_EFFECT_GLOSSY = 32    /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_GLOSSY = 32,   /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_BENT = 64      /* with AO and BITMASK: from where the sky is seen: DGB_BENT */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -411,6 +435,13 @@ typedef enum dgb_estimator {                          /* what AO and RADIOSITY c
                              DGB_ESTIMATOR_COUNT
 } dgb_estimator;
 
+typedef enum dgb_thickness { /* what ends a surface of the first layer sooner than params.thickness and reflect_thickness */
+                             DGB_THICKNESS_LAYERS = 0, /* the second layer */
+                             DGB_THICKNESS_CONSTANT,   /* nothing */
+                             DGB_THICKNESS_BACK_FACES, /* the second layer, and the back face behind it: drawn once more */
+                             DGB_THICKNESS_COUNT
+} dgb_thickness;
+
 typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
                           DGB_TRACER_LINEAR = 0,   /* every step is tested */
                           DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
@@ -448,6 +479,7 @@ typedef enum dgb_format {
     X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                                \
     X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                   \
     X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                     \
+    X(DGB_BACK, "back")           /* depth of the nearest back faces behind the first layer, a 2D texture */             \
     /* the engine's own layers: 2D textures */                                                                           \
     X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                                \
     X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                                \
@@ -459,9 +491,10 @@ typedef enum dgb_format {
     X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                              \
     X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                          \
     X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                          \
+    X(DGB_ENGINE_BACK, "engine_back")                                                                                    \
     X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                          \
     /* packed shading input, with MIP levels */                                                                          \
-    X(DGB_Z, "z")             /* camera z of both layers, DGB_EMPTY_Z where empty */                                     \
+    X(DGB_Z, "z")             /* camera z of both layers, b: of back faces (BACK_FACES); DGB_EMPTY_Z where empty */      \
     X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
     X(DGB_B0, "b0")           /* radiance of layer 0 */                                                                  \
     X(DGB_B1, "b1")           /* radiance of layer 1 */                                                                  \
@@ -473,18 +506,23 @@ typedef enum dgb_format {
     X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                                \
     /* results: raw, averaged over frames, after the horizontal filter, final */                                         \
     X(DGB_AO_RAW, "ao_raw")                                                                                              \
+    X(DGB_BENT_RAW, "bent_raw")                                                                                          \
     X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                              \
     X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                            \
     X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */      \
+    X(DGB_BENT_MEAN, "bent_mean")                                                                                        \
     X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                            \
     X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                          \
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
+    X(DGB_LAST_BENT, "last_bent")                                                                                        \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
     /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
     X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF_BENT, "half_bent")                                                                                        \
     X(DGB_HALF1, "half1")                                                                                                \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_AO, "ao")     /* ambient visibility, 1 = open */                                                               \
+    X(DGB_BENT, "bent") /* rgb: mean of the open directions, world space, weighted by the cosine; a: the open share */   \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
     X(DGB_IRRADIANCE1,                                                                                                   \
       "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
@@ -511,6 +549,7 @@ typedef enum dgb_pass_id {
     DGB_PASS_WARP = 0, /* oracle WARP: last frame's depth from this frame's camera */
     DGB_PASS_LAYERS,
     DGB_PASS_RESOLVE, /* IMAGE emission: depth bits into the depth layers */
+    DGB_PASS_BACK,    /* BACK_FACES: depth of the nearest back faces behind the first layer */
     DGB_PASS_PREDICT, /* PREDICT, DELAY: depth layers of the next pose */
     DGB_PASS_PACK,
     DGB_PASS_MIP,
@@ -571,6 +610,13 @@ DGB_API int dgb_pixel_hash(int x, int y, int frame);
 /* Two numbers of a pixel and frame for sampling a square, in 0..1, neither 0 nor 1: the R2 sequence (Roberts 2018) over
    the frames from a hash of the pixel. Integers until the last step: the same everywhere. */
 DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]);
+/* Place of a pixel along a Hilbert curve through a square of 64 x 64 pixels, 0..4095, the same in every such square: pixels that
+   are near along the curve are near in the image, and most that are near in the image are near along the curve. */
+DGB_API int dgb_hilbert_index(int x, int y);
+/* Four numbers of a pixel and frame, in 0..1, neither 0 nor 1, which neighbours and frames share out among them: sequences along
+   the Hilbert curve, 288 places farther from frame to frame. The first two together are the R2 sequence (Roberts 2018), the
+   others two of its kin of four dimensions. Integers until the last step: the same everywhere. */
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
@@ -650,6 +696,17 @@ DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
    rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
 DGB_API uint32_t dgb_sectors(float from, float to, float u);
 DGB_API int dgb_sector_count(uint32_t sectors);
+/* The angle, from the eye on, up to which a slice holds a share 0..1 of its light. Within 1e-3; the horizon for 1. */
+DGB_API float dgb_slice_angle(const float slice[4], float share);
+/* Sum {towards the eye, along} of a slice's directions from the eye up to an angle, weighted by the cosine of the normal so that the
+   weights of all, up to the horizon, add up to 1. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]);
+/* The same of the directions in some sectors. Those of all cosine-weighted directions about a normal n, over slices of all, have
+   2/3 n for their mean. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]);
+/* Cosine of the half angle of the cone that looks as open as a texel of DGB_BENT: of cosine-weighted directions about its axis, the
+   mean is as long. 0 where a hemisphere's is shorter, 1 of a single direction, and where nothing is open. */
+DGB_API float dgb_bent_cosine(const float bent[4]);
 
 /* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
 DGB_API float dgb_ggx_alpha(float roughness);
@@ -681,7 +738,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int min_level;    /* minimum MIP level, 0..5 */
 
     int slices;      /* BITMASK: planes through the line of sight that share the taps, half to each side; 1..8 */
-    float thickness; /* BITMASK: how far behind a surface its object hides, unless the second layer is nearer, m */
+    float thickness; /* BITMASK: how far behind a surface its object hides at most (desc.thickness), m */
 
     float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
     float
@@ -691,6 +748,10 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float history_weight;    /* alpha: weight of history in the average, 0 (off) to 0.999 */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
     float history_floor;     /* or within this, m */
+    float history_clamp; /* standard deviations of the 3 x 3 pixels' samples that history may be off their mean where a
+                            surface moves a pixel a frame or more, farther the less it moves; 0 (off) or more */
+    float sample_clamp;  /* times the mean of its neighbours, or its history, that a frame's irradiance counts for at
+                            most; 0 (off) or more */
 
     bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
     bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
@@ -701,7 +762,7 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float plane_sharpness;  /* 0 ignores depth */
 
     float reflect_distance;  /* longest reflected ray, m */
-    float reflect_thickness; /* how far behind its surface an object still stops a ray, m */
+    float reflect_thickness; /* how far behind its surface an object still stops a ray at most (desc.thickness), m */
     int reflect_steps;       /* most steps of a ray, 1..4096 */
     int reflect_stride;      /* pixels a step, 1..64; the hit is then looked for within the step */
     float reflect_border;    /* width of the band at the buffer's border in which confidence fades, pixels */
@@ -777,7 +838,7 @@ typedef struct dgb_pass {
     int x, y;                      /* viewport, pixels of the target */
     float width, height;           /* whole, but for deeper layers of a lower resolution */
     float deep_width, deep_height; /* viewport 1, of layers behind the first in a layered pass; from 0, 0 */
-    dgb_emission emission;         /* LAYERS, PREDICT */
+    dgb_emission emission;         /* LAYERS, BACK, PREDICT */
     dgb_texture key;               /* IMAGE emission: 2D array, one image for each of the key_layers behind the first */
     int key_layers;
     bool clear; /* colours to 0, depth to clear_depth */
@@ -790,13 +851,13 @@ typedef struct dgb_backend {
     int version; /* DGB_VERSION that it was written for */
     void* user;  /* first argument of every callback */
     dgb_caps caps;
-    void (*begin)(void* user); /* optional: save the host's state, set what every pass expects */
-    void (*end)(void* user);   /* optional: put it back */
+    void (*begin)(void* user);     /* optional: save the host's state, set what every pass expects */
+    dgb_result (*end)(void* user); /* optional: put it back, and tell what went wrong in the passes */
     dgb_result (*texture_create)(void* user, const dgb_texture_desc* desc, dgb_texture* texture);
     void (*texture_destroy)(void* user, dgb_texture texture);
     dgb_result (*program_create)(void* user, const dgb_program_desc* desc, dgb_program* program);
     void (*program_destroy)(void* user, dgb_program program);
-    void (*pass_begin)(void* user, const dgb_pass* pass);
+    dgb_result (*pass_begin)(void* user, const dgb_pass* pass);
     /* level >= 0: the pass reads that level only, and sees it as level 0; -1: all levels */
     void (*texture_bind)(void* user, dgb_slot slot, dgb_texture texture, int level);
     void (*uniforms_upload)(void* user, const void* std140, size_t size);
@@ -868,15 +929,17 @@ typedef struct dgb_gather_uniforms {
 
 typedef struct dgb_bitmask_uniforms { /* BITMASK: of AO and GATHER */
     dgb_camera camera;
-    int32_t size[4];  /* buffer width and height, steps to each side of a slice, frame */
-    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
-    float radius[4];  /* r (m), r^2, thickness (m), largest radius in pixels */
-    float scale[4];   /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    int32_t size[4];   /* buffer width and height, steps to each side of a slice, frame */
+    int32_t level[4];  /* log2 q, min level, max level, 1: no tile may be skipped */
+    float radius[4];   /* r (m), r^2, thickness (m), largest radius in pixels */
+    float scale[4];    /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    float world[3][4]; /* camera to world, columns */
 } dgb_bitmask_uniforms;
 
 typedef struct dgb_temporal_uniforms {
     dgb_camera camera;
-    float weight[4]; /* x: of history */
+    float weight[4]; /* of history; standard deviations, and times the mean, that are let through; frame */
+    int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     dgb_reprojection past;
 } dgb_temporal_uniforms;
 
@@ -928,6 +991,7 @@ typedef struct dgb_desc { /* 0 means default */
     dgb_normaliser normaliser;
     dgb_tracer tracer;
     dgb_estimator estimator;
+    dgb_thickness thickness;
     const dgb_backend* backend; /* null: dgb_make_plan assumes a device that can do everything */
     dgb_log_fn log;             /* may be null */
     void* log_user;
@@ -982,6 +1046,7 @@ typedef struct dgb_draw {         /* what the engine's draw callback is told */
     int pose;                       /* draw objects as they are in the frame of the view (0), before it (-1: DELAY),
                                               or after it (1: PREDICT); `previous` is the pose before that */
     bool depth_only;                /* no colour is kept: a cheaper program will do */
+    bool back_faces;                /* cull front faces instead of back faces; what has two sides, neither */
     int width, height;              /* buffer, guard band included */
     float view[16], projection[16]; /* projection: widened and jittered; draw with it */
     float previous_view[16], previous_projection[16];
@@ -999,6 +1064,8 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
                                                     one: metres of camera z by which the object itself moved. Read for
                                                     more than one bounce and for the temporal filter only */
+    dgb_texture
+        back; /* depth-buffer values of the nearest back faces behind the first layer; read for BACK_FACES only */
     dgb_texture roughness; /* r: perceptual roughness of the first layer, 0 to 1; read for GLOSSY only */
 } dgb_layers;
 
@@ -1025,6 +1092,7 @@ typedef struct dgb_context { /* yours to place; its members are the library's */
     dgb_pose pending;         /* DELAY: submitted, not drawn yet */
     dgb_camera camera;        /* of `drawn` */
     dgb_camera oracle_camera; /* that the depth for the next frame's keep test was drawn with */
+    dgb_result drawing;       /* what became of the passes of this call */
 } dgb_context;
 
 /* Creates every texture and program of the plan. All or nothing: on failure *context is as before. Do not call it on a
@@ -1280,6 +1348,29 @@ DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]) {
     u[1] = ((float)((g + (uint32_t)frame * 2447445414u) >> 9) + 0.5f) / 8388608.0f;
 }
 
+/* From the largest quarter to the smallest: which one the pixel is in, 0 to 3 along the curve, two bits of the index each; the
+   curve through the first and the last quarter is turned. */
+DGB_API int dgb_hilbert_index(int x, int y) {
+    uint32_t a = (uint32_t)x, b = (uint32_t)y, index = 0u;
+    int bit;
+    for (bit = 5; bit >= 0; --bit) {
+        const uint32_t right = a >> bit & 1u, upper = b >> bit & 1u, turned = right ? 0xffffffffu : 0u, c = a;
+        index = index << 2 | ((3u * right) ^ upper);
+        if (upper) continue;
+        a = b ^ turned;
+        b = c ^ turned;
+    }
+    return (int)index;
+}
+
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]) {
+    /* 2^32 / p and 2^32 / p^2, p^3 = p + 1; 2^32 / q^3 and 2^32 / q^4, q^5 = q + 1 */
+    static const uint32_t steps[4] = {3242174889u, 2447445414u, 2700274806u, 2313257605u};
+    const uint32_t place = (uint32_t)dgb_hilbert_index(x, y) + (uint32_t)frame * 288u + 1u;
+    int i;
+    for (i = 0; i < 4; ++i) u[i] = ((float)(place * steps[i] >> 9) + 0.5f) / 8388608.0f;
+}
+
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     if (dgbi_is_nan(h) || dgbi_bits(h) >> 31) return min_level;
     return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - log2_q, min_level, max_level);
@@ -1520,6 +1611,51 @@ DGB_API int dgb_sector_count(uint32_t sectors) {
     return (int)(((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24);
 }
 
+DGB_API float dgb_slice_angle(const float slice[4], float share) {
+    const float horizon = slice[2] + (float)(0.5 * DGBI_PI);
+    float t = horizon * (float)(2.0 / DGBI_PI) * dgb_arc_sine(sqrtf(share));
+    int i;
+    for (i = 0; i < 3; ++i) { /* Newton's; at the ends, where the share does not grow, t stays */
+        const float s = sinf(t), c = cosf(t);
+        const float off = (s * s * slice[0] + (t - s * c) * slice[1]) * slice[3] - share;
+        const float slope = 2.0f * s * (c * slice[0] + s * slice[1]) * slice[3];
+        t -= off / (slope > 1e-3f ? slope : 1e-3f);
+        t = t > 0.0f ? (t < horizon ? t : horizon) : 0.0f;
+    }
+    return share < 1.0f ? t : horizon;
+}
+
+/* The integral of cos(t - g) sin t {cos t, sin t}. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]) {
+    const float s = sinf(angle), c = cosf(angle), s3 = s * s * s, c3 = c * c * c, scale = 2.0f / 3.0f * slice[3];
+    sum[0] = (slice[0] * (1.0f - c3) + slice[1] * s3) * scale;
+    sum[1] = (slice[0] * s3 + slice[1] * (2.0f - 3.0f * c + c3)) * scale;
+}
+
+/* Four sectors at a time, which lie so near together that any of them has their mean direction. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]) {
+    float before[2] = {0.0f, 0.0f};
+    int i, k;
+    sum[0] = sum[1] = 0.0f;
+    for (i = 1; i <= 8; ++i) {
+        const float part = 0.25f * (float)dgb_sector_count(sectors >> (4 * i - 4) & 15u);
+        float up_to[2];
+        dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125f * (float)i), up_to);
+        for (k = 0; k < 2; ++k) {
+            sum[k] += (up_to[k] - before[k]) * part;
+            before[k] = up_to[k];
+        }
+    }
+}
+
+/* The mean of a cone's directions is 2/3 (1 + c + c^2) / (1 + c) long; k is what is more than 2/3 of it, times 3/2. */
+DGB_API float dgb_bent_cosine(const float bent[4]) {
+    const float length = sqrtf(dgbi_dot(bent, bent));
+    const float k = dgbi_max0(1.5f * length / bent[3] - 1.0f);
+    const float cosine = 0.5f * (k + sqrtf(k * k + 4.0f * k));
+    return dgbi_is_finite(cosine) && bent[3] > 0.0f && cosine < 1.0f ? cosine : 1.0f;
+}
+
 /* >> reflections: the lobe */
 
 DGB_API float dgb_ggx_alpha(float roughness) {
@@ -1733,7 +1869,8 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_at_least(p->boost_unsaturated, 0.0f) || !dgbi_at_least(p->boost_saturated, 0.0f))
         return DGB_LOG_BOUNCE_PARAMS;
     if (!dgbi_at_least(p->history_weight, 0.0f) || p->history_weight > 0.999f ||
-        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f))
+        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f) ||
+        !dgbi_at_least(p->history_clamp, 0.0f) || !dgbi_at_least(p->sample_clamp, 0.0f))
         return DGB_LOG_HISTORY_PARAMS;
     if (!dgbi_is_radius(p->reflect_distance) || !dgbi_is_radius(p->reflect_thickness) ||
         !dgbi_in_range(p->reflect_steps, 1, 4096) || !dgbi_in_range(p->reflect_stride, 1, 64) ||
@@ -1772,8 +1909,9 @@ DGB_API const char* dgb_slot_name(dgb_slot slot) {
 }
 
 DGB_API const char* dgb_pass_name(dgb_pass_id pass) {
-    static const char* const names[] = {"warp", "layers", "resolve",  "predict",     "pack",  "mip",     "tiles",
-                                        "ao",   "gather", "temporal", "reconstruct", "range", "reflect", "glossy"};
+    static const char* const names[] = {"warp",     "layers",      "resolve", "back",    "predict",
+                                        "pack",     "mip",         "tiles",   "ao",      "gather",
+                                        "temporal", "reconstruct", "range",   "reflect", "glossy"};
     return dgbi_in_range((int)pass, 0, DGB_PASS_COUNT - 1) ? names[pass] : "?";
 }
 
@@ -1824,8 +1962,9 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
 
 static bool dgbi_effects_ok(uint32_t effects) {
     const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL |
-                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
+                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_BENT;
     if (effects & ~all) return false;
+    if ((effects & DGB_EFFECT_BENT) && !(effects & DGB_EFFECT_AO)) return false;
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
     return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_GLOSSY));
@@ -1849,7 +1988,8 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (!dgbi_in_range(d->layers, 0, max_layers)) return DGB_LOG_LAYERS;
     if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
-    if (!dgbi_effects_ok(d->effects)) return DGB_LOG_EFFECTS;
+    if (!dgbi_effects_ok(d->effects) || ((d->effects & DGB_EFFECT_BENT) && d->estimator == DGB_ESTIMATOR_PAPER))
+        return DGB_LOG_EFFECTS;
     if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) ||
         !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
         !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) ||
@@ -1859,6 +1999,7 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
         !dgbi_in_range((int)d->normaliser, 0, DGB_NORMALISER_COUNT - 1) ||
         !dgbi_in_range((int)d->tracer, 0, DGB_TRACER_COUNT - 1) ||
         !dgbi_in_range((int)d->estimator, 0, DGB_ESTIMATOR_COUNT - 1) ||
+        !dgbi_in_range((int)d->thickness, 0, DGB_THICKNESS_COUNT - 1) ||
         (d->depth_format && !dgbi_in_range((int)d->depth_format, DGB_FORMAT_D16, DGB_FORMAT_D32F)))
         return DGB_LOG_ENUM;
     if (d->source == DGB_SOURCE_ENGINE)
@@ -1999,6 +2140,33 @@ static void dgbi_plan_predict(const dgb_desc* d, dgb_plan* plan) {
     dgbi_add_output(pass, DGB_PREDICTED);
 }
 
+/* What reads thickness wants to know where the back faces are. */
+static bool dgbi_has_back(const dgb_desc* d) {
+    const uint32_t covered = d->estimator == DGB_ESTIMATOR_BITMASK ? DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY : 0u;
+    return d->thickness == DGB_THICKNESS_BACK_FACES && (d->effects & (covered | DGB_EFFECT_REFLECT));
+}
+
+/* Peeled off the first layer. */
+static void dgbi_plan_back(const dgb_desc* d, dgb_plan* plan) {
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_BACK, 0, -1);
+    dgbi_add_texture(plan, DGB_BACK, d->depth_format, 0, 1);
+    dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+    dgbi_add_output(pass, DGB_BACK);
+}
+
+/* What the keep test of layers behind the first compares with, and what that takes. */
+static void dgbi_plan_oracle(const dgb_desc* d, dgb_plan* plan, dgb_plan_pass* pass) {
+    const bool whole = d->oracle == DGB_ORACLE_PREVIOUS || d->oracle == DGB_ORACLE_REPROJECT; /* last frame's depth */
+    if (d->layers == 1) return; /* nothing to compare with */
+    if (d->oracle == DGB_ORACLE_PEEL) {
+        dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
+        return;
+    }
+    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, whole ? d->layers : d->layers - 1, 1);
+    dgbi_add_input(pass, DGB_ORACLE);
+    if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
+}
+
 static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
     static const struct {
         uint32_t target;
@@ -2008,7 +2176,6 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
                   {DGB_TARGET_NORMAL, DGB_NORMAL, DGB_FORMAT_RGBA8},
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
-    const bool whole = d->oracle == DGB_ORACLE_PREVIOUS || d->oracle == DGB_ORACLE_REPROJECT; /* last frame's depth */
     dgb_plan_pass* pass;
     size_t i;
     if (d->oracle == DGB_ORACLE_WARP && d->layers > 1) dgbi_plan_warp(plan);
@@ -2019,31 +2186,27 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
             dgbi_add_texture(plan, colors[i].slot, colors[i].format, d->layers, 1);
             dgbi_add_output(pass, colors[i].slot);
         }
-    if (d->layers == 1) return; /* nothing to compare with */
-    if (d->oracle == DGB_ORACLE_PEEL) {
-        dgbi_add_input_as(pass, DGB_ORACLE, DGB_DEPTH);
-        return;
-    }
-    dgbi_add_texture(plan, DGB_ORACLE, d->depth_format, whole ? d->layers : d->layers - 1, 1);
-    dgbi_add_input(pass, DGB_ORACLE);
-    if (d->emission == DGB_EMISSION_IMAGE) dgbi_plan_resolve(d, plan);
-    if (dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
+    dgbi_plan_oracle(d, plan, pass);
+    if (dgbi_has_back(d)) dgbi_plan_back(d, plan);
+    if (d->layers > 1 && dgbi_has_prediction(d->oracle)) dgbi_plan_predict(d, plan);
 }
 
 /* What the shading wants, besides what every desc has. */
 typedef struct dgbi_wants {
     int layers; /* shaded */
-    bool ao, light, bounces, temporal, reflect, glossy;
+    bool ao, bent, light, bounces, temporal, reflect, glossy;
     bool spiral;   /* something takes spiral taps: occlusion or light */
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
     bool indirect; /* reflections add what this frame's irradiance makes of the surface that is hit */
+    bool back;     /* back faces end the first layer */
 } dgbi_wants;
 
 static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     dgbi_wants w;
     w.layers = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
     w.ao = (d->effects & DGB_EFFECT_AO) != 0;
+    w.bent = (d->effects & DGB_EFFECT_BENT) != 0;
     w.light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
     w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
     w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
@@ -2053,6 +2216,7 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     w.radiance = w.light || w.reflect;
     w.indirect = w.reflect && w.light && !w.bounces; /* bounces are part of the packed radiance already */
     w.deep = (w.bounces || w.indirect) && w.layers > 1;
+    w.back = dgbi_has_back(d);
     return w;
 }
 
@@ -2075,6 +2239,7 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_plan_pass* pass) {
     dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
+    if (w->back) dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_BACK : DGB_ENGINE_BACK);
     if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
         dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
     if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
@@ -2088,7 +2253,7 @@ static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_pl
 
 static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_PACK);
-    const dgb_format z = w->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
+    const dgb_format z = w->back ? DGB_FORMAT_RGBA32F : w->layers > 1 ? DGB_FORMAT_RG32F : DGB_FORMAT_R32F;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PACK, 0, program);
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
@@ -2098,6 +2263,7 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
     dgbi_add_define(plan, "DGB_LAST_LIGHT", w->bounces);
     dgbi_add_define(plan, "DGB_DEEP", w->bounces && w->deep);
+    dgbi_add_define(plan, "DGB_BACK", w->back);
     dgbi_add_texture(plan, DGB_Z, z, 0, w->spiral ? plan->levels : 1);
     if (w->bounces || w->temporal)
         dgbi_add_texture(plan, DGB_LAST_Z, z, 0, w->spiral ? plan->levels : 1); /* takes turns with z */
@@ -2110,11 +2276,11 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_packed_outputs(pass, true, w->radiance, w->layers);
 }
 
-/* Occlusion taps read z alone; radiosity reads everything at every level. */
+/* Occlusion taps read z alone; radiosity reads everything at every level. The programs here and below do not depend on the
+   size, even where a small one leaves some of them no pass: dgb_resize keeps them. */
 static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
-    int program, level, i;
-    if (plan->levels == 1) return;
-    program = dgbi_add_program(plan, DGB_PASS_MIP);
+    const int program = dgbi_add_program(plan, DGB_PASS_MIP);
+    int level, i;
     dgbi_add_define(plan, "DGB_LAYERS", w->layers);
     dgbi_add_define(plan, "DGB_PACK_RADIANCE", w->light);
     for (level = 1; level < plan->levels; ++level) {
@@ -2152,13 +2318,17 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     if (d->estimator == DGB_ESTIMATOR_BITMASK) {
         dgbi_add_define(plan, "DGB_NORMAL_TEST", 0);
         dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 0);
+        dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
     }
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
+    if (w->bent) dgbi_add_texture(plan, DGB_BENT_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_ROTATIONS);
     if (w->layers > 1) dgbi_add_input(pass, DGB_TILES);
     dgbi_add_output(pass, DGB_AO_RAW);
+    if (w->bent) dgbi_add_output(pass, DGB_BENT_RAW);
 }
 
 /* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
@@ -2174,7 +2344,10 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
             dgbi_add_define(plan, "DGB_STRONGEST_SENDER", d->senders == DGB_SENDERS_STRONGEST);
         dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
         dgbi_add_define(plan, "DGB_DEEP", w->deep);
-        if (d->estimator == DGB_ESTIMATOR_BITMASK) dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+        if (d->estimator != DGB_ESTIMATOR_BITMASK) continue;
+        dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
+        dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
+        dgbi_add_define(plan, "DGB_BENT", 0);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2197,14 +2370,20 @@ static void dgbi_plan_mean(dgb_slot raw, dgb_slot mean, dgb_slot last, dgb_plan*
     dgbi_add_output(pass, mean);
 }
 
+/* Two programs, the second with limits to what stands out, which cost nothing where there are none. */
 static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const int program = dgbi_add_program(plan, DGB_PASS_TEMPORAL);
-    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, program);
-    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
-    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
-    dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
-    dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
-    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, plan->program_count);
+    int limited;
+    for (limited = 0; limited < 2; ++limited) {
+        dgbi_add_program(plan, DGB_PASS_TEMPORAL);
+        dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+        dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+        dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
+        dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
+        dgbi_add_define(plan, "DGB_DEEP", w->deep);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
+        dgbi_add_define(plan, "DGB_LIMITED", limited);
+    }
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_LAST_Z);
@@ -2215,6 +2394,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
     if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
+    if (w->bent) dgbi_plan_mean(DGB_BENT_RAW, DGB_BENT_MEAN, DGB_LAST_BENT, plan, pass);
 }
 
 /* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
@@ -2226,12 +2406,13 @@ typedef struct dgbi_filtered {
 
 /* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
 static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
-    const dgbi_filtered results[3] = {
+    const dgbi_filtered results[4] = {
         {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
         {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
          DGB_FORMAT_RGBA16F},
         {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
-         DGB_FORMAT_RGBA16F}};
+         DGB_FORMAT_RGBA16F},
+        {w->bent, DGB_BENT_RAW, w->temporal ? DGB_BENT_MEAN : DGB_BENT_RAW, DGB_BENT, DGB_FORMAT_RGBA16F}};
     const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
@@ -2241,13 +2422,20 @@ static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_define(plan, "DGB_BENT", w->bent);
     if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
     for (i = 0; i < (w->deep ? 2 : 1); ++i) {
         if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
         if (axis == 0) dgbi_add_output(pass, halves[i]);
         if (axis == 1) dgbi_add_input(pass, halves[i]);
     }
-    for (i = 0; i < 3; ++i) {
+    if (w->bent && axis == 0) {
+        dgbi_add_texture(plan, DGB_HALF_BENT, DGB_FORMAT_RGBA16F, 0, 1);
+        dgbi_add_output(pass, DGB_HALF_BENT);
+    } else if (w->bent) {
+        dgbi_add_input(pass, DGB_HALF_BENT);
+    }
+    for (i = 0; i < 4; ++i) {
         if (!results[i].wanted) continue;
         if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
         if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
@@ -2264,7 +2452,7 @@ static void dgbi_plan_reconstruct(const dgb_desc* d, const dgbi_wants* w, dgb_pl
 static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     const int levels = dgbi_range_levels(plan), first = plan->program_count;
     int level;
-    for (level = 0; level < dgbi_min(levels, 2); ++level) {
+    for (level = 0; level < 2; ++level) {
         dgbi_add_program(plan, DGB_PASS_RANGE);
         dgbi_add_define(plan, "DGB_RANGE_STEP", level);
     }
@@ -2291,6 +2479,7 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     dgbi_add_define(plan, "DGB_HIERARCHICAL", d->tracer == DGB_TRACER_HIERARCHICAL);
     dgbi_add_define(plan, "DGB_INDIRECT", w->indirect);
     dgbi_add_define(plan, "DGB_GLOSSY", w->glossy);
+    dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
     dgbi_add_texture(plan, reflection, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_texture(plan, DGB_REFLECTION_HIT, w->glossy ? DGB_FORMAT_RGBA16F : DGB_FORMAT_RG16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
@@ -2390,9 +2579,7 @@ static void dgbi_begin(const dgb_backend* b) {
     if (b->begin) b->begin(b->user);
 }
 
-static void dgbi_end(const dgb_backend* b) {
-    if (b->end) b->end(b->user);
-}
+static dgb_result dgbi_end(const dgb_backend* b) { return b->end ? b->end(b->user) : DGB_OK; }
 
 /* All but the engine's own, which are only remembered. */
 static void dgbi_destroy_textures(const dgb_backend* b, dgb_texture textures[DGB_SLOT_COUNT]) {
@@ -2469,7 +2656,7 @@ DGB_API dgb_result dgb_init(dgb_context* context, const dgb_desc* desc) {
             dgbi_destroy_textures(&c.backend, c.textures);
         }
     }
-    dgbi_end(&c.backend);
+    (void)dgbi_end(&c.backend);
     if (result != DGB_OK) return dgbi_fail(desc, result, item);
     c.initialised = DGBI_INITIALISED;
     *context = c;
@@ -2494,7 +2681,7 @@ DGB_API dgb_result dgb_resize(dgb_context* context, int width, int height) {
     dgbi_begin(&context->backend);
     result = dgbi_create_textures(&context->backend, &plan, textures);
     if (result == DGB_OK) dgbi_destroy_textures(&context->backend, context->textures);
-    dgbi_end(&context->backend);
+    (void)dgbi_end(&context->backend);
     if (result != DGB_OK) return dgbi_fail(&desc, result, DGB_LOG_TEXTURE);
     memcpy(context->textures, textures, sizeof textures);
     context->plan = plan;
@@ -2511,7 +2698,7 @@ DGB_API void dgb_shutdown(dgb_context* context) {
     dgbi_begin(&context->backend);
     dgbi_destroy_programs(&context->backend, context->programs);
     dgbi_destroy_textures(&context->backend, context->textures);
-    dgbi_end(&context->backend);
+    (void)dgbi_end(&context->backend);
     memset(context, 0, sizeof *context);
 }
 
@@ -2526,22 +2713,43 @@ static void dgbi_marker(const dgb_context* c, dgb_pass_id id, bool begin) {
     if (c->backend.marker) c->backend.marker(c->backend.user, id, begin);
 }
 
+static void dgbi_begin_drawing(dgb_context* c) {
+    c->drawing = DGB_OK;
+    dgbi_begin(&c->backend);
+}
+
+static dgb_result dgbi_end_drawing(dgb_context* c) {
+    const dgb_result unnoticed = dgbi_end(&c->backend);
+    if (c->drawing == DGB_OK) c->drawing = unnoticed;
+    return c->drawing == DGB_OK ? DGB_OK : dgbi_fail(&c->desc, c->drawing, DGB_LOG_PASS);
+}
+
+/* False once the device has refused a pass of this call. */
+static bool dgbi_pass_begins(dgb_context* c, const dgb_pass* pass) {
+    if (c->drawing == DGB_OK) c->drawing = c->backend.pass_begin(c->backend.user, pass);
+    return c->drawing == DGB_OK;
+}
+
 /* Whether it writes the level that it is named for, and reads the one before. */
 static bool dgbi_writes_level(const dgb_plan_pass* pass) {
     return pass->id == DGB_PASS_MIP || pass->id == DGB_PASS_RANGE;
 }
 
-static void dgbi_begin_pass(const dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
+/* Of the passes that draw the scene. */
+static bool dgbi_is_depth_only(const dgb_plan_pass* pass) {
+    return pass->id == DGB_PASS_BACK || pass->id == DGB_PASS_PREDICT;
+}
+
+static bool dgbi_begin_pass(dgb_context* c, const dgb_plan_pass* plan_pass, dgb_pass* pass, int layer) {
     int i;
     pass->id = plan_pass->id;
-    pass->color_count =
-        plan_pass->id == DGB_PASS_PREDICT ? 0 : plan_pass->output_count; /* PREDICT writes depth alone */
+    pass->color_count = dgbi_is_depth_only(plan_pass) ? 0 : plan_pass->output_count;
     for (i = 0; i < pass->color_count; ++i) {
         pass->colors[i].texture = c->textures[plan_pass->outputs[i]];
         pass->colors[i].level = dgbi_writes_level(plan_pass) ? plan_pass->level : 0;
         pass->colors[i].layer = layer;
     }
-    c->backend.pass_begin(c->backend.user, pass);
+    return dgbi_pass_begins(c, pass);
 }
 
 static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
@@ -2566,9 +2774,10 @@ static float dgbi_depth_codes(dgb_format format) {
     return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
 }
 
-typedef struct dgbi_build {         /* one submission: the layers, or the prediction */
-    const dgb_plan_pass* plan_pass; /* LAYERS or PREDICT */
+typedef struct dgbi_build {         /* one submission: the layers, the back faces, or the prediction */
+    const dgb_plan_pass* plan_pass; /* LAYERS, BACK or PREDICT */
     dgb_slot depth;                 /* depth layers written */
+    dgb_slot front;                 /* depth layers that PEEL compares with */
     int layers;
     dgb_pose pose, previous;
     dgb_camera camera;
@@ -2585,7 +2794,8 @@ static void dgbi_fill_draw(const dgb_context* c, const dgbi_build* b, dgb_draw* 
     draw->oracle = b->oracle;
     draw->emission = b->emission;
     draw->pose = b->pose_offset;
-    draw->depth_only = b->plan_pass->id == DGB_PASS_PREDICT;
+    draw->depth_only = dgbi_is_depth_only(b->plan_pass);
+    draw->back_faces = b->plan_pass->id == DGB_PASS_BACK;
     draw->width = c->plan.width;
     draw->height = c->plan.height;
     memcpy(draw->view, b->pose.view, sizeof draw->view);
@@ -2614,7 +2824,7 @@ static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const 
 }
 
 /* One layered pass: all layers at once, or one. IMAGE emission rasterises the first and reaches the others by itself. */
-static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
+static void dgbi_layer_pass(dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
     const bool image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
     const int layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
     /* no quotient: with -ffast-math a whole width may come out a little less */
@@ -2624,7 +2834,7 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);
     pass.depth.texture = c->textures[b->depth];
-    pass.depth.layer = layer;
+    pass.depth.layer = draw->back_faces ? 0 : layer; /* they have a texture of their own */
     pass.width = (float)c->plan.width * scale;
     pass.height = (float)c->plan.height * scale;
     pass.deep_width = (float)c->plan.width * deep;
@@ -2638,17 +2848,17 @@ static void dgbi_layer_pass(const dgb_context* c, const dgbi_build* b, const dgb
         pass.key = c->textures[DGB_KEY];
         pass.key_layers = b->layers - 1;
     }
-    dgbi_begin_pass(c, b->plan_pass, &pass, layer);
+    if (!dgbi_begin_pass(c, b->plan_pass, &pass, layer)) return;
     if (b->plan_pass->input_count)
         c->backend.texture_bind(c->backend.user, DGB_ORACLE,
-                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->depth : DGB_ORACLE], -1);
+                                c->textures[draw->oracle == DGB_ORACLE_PEEL ? b->front : DGB_ORACLE], -1);
     dgbi_draw_uniforms(c, b, draw, &uniforms);
     c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
     b->draw(b->user, draw);
     c->backend.pass_end(c->backend.user);
 }
 
-static void dgbi_submit(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_submit(dgb_context* c, const dgbi_build* b) {
     dgb_draw draw;
     dgbi_marker(c, b->plan_pass->id, true);
     dgbi_fill_draw(c, b, &draw);
@@ -2671,7 +2881,7 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
 }
 
 /* IMAGE emission: the depth bits of each deeper layer become its depth. Layers that were peeled have it already. */
-static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_resolve(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
     dgb_pass pass;
     dgb_resolve_uniforms uniforms;
@@ -2687,7 +2897,7 @@ static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
         pass.width = (float)c->plan.width;
         pass.height = (float)c->plan.height;
         pass.clip = c->desc.clip;
-        c->backend.pass_begin(c->backend.user, &pass);
+        if (!dgbi_pass_begins(c, &pass)) break;
         dgbi_bind_inputs(c, plan_pass);
         uniforms.layer[0] = layer - 1;
         c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
@@ -2695,6 +2905,22 @@ static void dgbi_resolve(const dgb_context* c, const dgbi_build* b) {
         c->backend.pass_end(c->backend.user);
     }
     dgbi_marker(c, DGB_PASS_RESOLVE, false);
+}
+
+/* BACK_FACES: a peel of nothing but depth, by no separation, of what faces away. layers: as they were drawn */
+static void dgbi_back(dgb_context* c, const dgbi_build* layers) {
+    dgbi_build b = *layers;
+    dgb_draw draw;
+    b.plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_BACK);
+    if (!b.plan_pass) return;
+    b.depth = DGB_BACK;
+    b.oracle = DGB_ORACLE_PEEL;
+    b.separation = 0.0f;
+    dgbi_marker(c, DGB_PASS_BACK, true);
+    dgbi_fill_draw(c, &b, &draw);
+    draw.first_layer = draw.layer_count = draw.instances = 1;
+    dgbi_layer_pass(c, &b, &draw);
+    dgbi_marker(c, DGB_PASS_BACK, false);
 }
 
 static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
@@ -2742,23 +2968,22 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
-/* From this frame's camera space to last frame's; the identity, exactly, for equal views. */
+/* From this frame's camera space to last frame's; the identity, exactly, for equal views, and where floats hold no other. */
 static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
     double inverse[12], affine[12], change[12];
-    int row, column;
-    const bool same = dgbi_same_bits(now, last, 16);
+    bool valid = !dgbi_same_bits(now, last, 16) && dgbi_invert_affine(now, inverse);
+    int row, column, i;
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) {
-            affine[column * 3 + row] = (double)last[column * 4 + row];
-            change[column * 3 + row] = column == row ? 1.0 : 0.0;
-        }
-    if (!same && dgbi_invert_affine(now, inverse)) dgbi_multiply_affine(affine, inverse, change);
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)last[column * 4 + row];
+    if (valid) dgbi_multiply_affine(affine, inverse, change);
+    for (i = 0; valid && i < 12; ++i) valid = dgbi_is_finite((float)change[i]);
     for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) rows[row][column] = (float)change[column * 3 + row];
+        for (row = 0; row < 3; ++row)
+            rows[row][column] = valid ? (float)change[column * 3 + row] : column == row ? 1.0f : 0.0f;
 }
 
 /* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
-static void dgbi_warp(const dgb_context* c, const dgbi_build* b) {
+static void dgbi_warp(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_WARP);
     const int width = c->plan.width, height = c->plan.height;
     dgb_warp_uniforms u;
@@ -2782,7 +3007,7 @@ static void dgbi_warp(const dgb_context* c, const dgbi_build* b) {
         u.layer[1] = divisor;
         u.layer[2] = dgbi_units(2 * width - divisor, 2 * divisor) - 1; /* whose centre lies within the buffer */
         u.layer[3] = dgbi_units(2 * height - divisor, 2 * divisor) - 1;
-        c->backend.pass_begin(c->backend.user, &pass);
+        if (!dgbi_pass_begins(c, &pass)) break;
         dgbi_bind_inputs(c, plan_pass);
         c->backend.uniforms_upload(c->backend.user, &u, sizeof u);
         c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
@@ -2801,7 +3026,7 @@ static void dgbi_submitted_pose(const dgb_context* c, const dgb_view* view, dgb_
 static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, bool fresh, dgbi_build* b) {
     const bool delayed = c->plan.oracle == DGB_ORACLE_DELAY && !fresh;
     b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_LAYERS);
-    b->depth = DGB_DEPTH;
+    b->depth = b->front = DGB_DEPTH;
     b->layers = c->plan.layers;
     b->pose = delayed ? c->pending : *submitted;
     b->previous = fresh ? b->pose : c->drawn;
@@ -2814,7 +3039,7 @@ static void dgbi_main_build(const dgb_context* c, const dgb_pose* submitted, boo
 static void dgbi_predict_build(const dgb_context* c, const dgb_pose* submitted, const dgb_view* view, bool fresh,
                                dgbi_build* b) {
     b->plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_PREDICT);
-    b->depth = DGB_PREDICTED;
+    b->depth = b->front = DGB_PREDICTED;
     b->layers = c->plan.layers - 1;
     b->previous = b->pose;
     b->pose = *submitted;
@@ -2874,10 +3099,11 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
     b.camera = camera;
     if (b.pose_offset) (void)dgbi_camera_of(context, &b.pose, &b.camera); /* was fine when it was submitted */
 
-    dgbi_begin(&context->backend);
+    dgbi_begin_drawing(context);
     dgbi_warp(context, &b);
     dgbi_submit(context, &b);
     dgbi_resolve(context, &b);
+    dgbi_back(context, &b);
     context->camera = b.camera;
     if (predicts) {
         const dgb_pose drawn = b.pose;
@@ -2887,7 +3113,10 @@ DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const d
         dgbi_resolve(context, &b);
         b.pose = drawn;
     }
-    dgbi_end(&context->backend);
+    if (dgbi_end_drawing(context) != DGB_OK) {
+        context->has_layers = context->has_previous = context->has_history = false;
+        return context->drawing;
+    }
 
     context->oracle_camera = b.camera;
     context->drawn = b.pose;
@@ -2911,6 +3140,7 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
     textures[DGB_ENGINE_ALBEDO1] = layers->albedo[1];
     textures[DGB_ENGINE_VELOCITY0] = layers->velocity[0];
     textures[DGB_ENGINE_VELOCITY1] = layers->velocity[1];
+    textures[DGB_ENGINE_BACK] = layers->back;
     textures[DGB_ENGINE_ROUGHNESS] = layers->roughness;
     for (i = 0; i < plan->pass_count; ++i)
         for (j = 0; j < plan->passes[i].input_count; ++j)
@@ -3082,6 +3312,7 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
 static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, bool light, dgb_bitmask_uniforms* u) {
     const int steps = (light ? q->samples : q->ao_samples) / (2 * q->slices);
     const float radius = light ? q->radius : q->ao_radius;
+    int column, row;
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_fill_size(c, q, steps > 1 ? steps : 1, u->size);
@@ -3094,12 +3325,18 @@ static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, boo
     u->scale[1] = 1.0f / (float)q->slices;
     u->scale[2] = q->ao_intensity;
     u->scale[3] = q->second_alone ? 0.0f : 1.0f;
+    for (column = 0; column < 3; ++column)
+        for (row = 0; row < 3; ++row) u->world[column][row] = c->drawn.view[row * 4 + column]; /* turned back */
 }
 
 static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dgb_temporal_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     u->weight[0] = q->history_weight;
+    u->weight[1] = q->history_clamp;
+    u->weight[2] = q->sample_clamp;
+    u->weight[3] = (float)(c->frame & 0xffffffu);
+    dgbi_fill_rect(c, q, u->rect);
     dgbi_fill_reprojection(c, q, c->has_history && dgbi_same_result(q, &c->shaded_params), &u->past);
 }
 
@@ -3213,6 +3450,7 @@ static void dgbi_upload_uniforms(const dgb_context* c, const dgb_plan_pass* pass
     case DGB_PASS_WARP:
     case DGB_PASS_LAYERS:
     case DGB_PASS_RESOLVE:
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT:
     case DGB_PASS_MIP: /* copies: nothing to tell */
     case DGB_PASS_RANGE:
@@ -3238,8 +3476,15 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     }
 }
 
-static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
-    const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
+/* Which of a pass's programs runs. */
+static int dgbi_variant(const dgb_plan_pass* pass, const dgb_params* q) {
+    if (pass->id == DGB_PASS_GATHER) return q->normal_test;
+    if (pass->id == DGB_PASS_TEMPORAL) return q->history_clamp > 0.0f || q->sample_clamp > 0.0f;
+    return 0;
+}
+
+static void dgbi_run_fullscreen(dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
+    const int variant = dgbi_variant(plan_pass, q);
     int rect[4];
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);
@@ -3248,7 +3493,7 @@ static void dgbi_run_fullscreen(const dgb_context* c, const dgb_plan_pass* plan_
     pass.y = rect[1];
     pass.width = (float)rect[2];
     pass.height = (float)rect[3];
-    dgbi_begin_pass(c, plan_pass, &pass, 0);
+    if (!dgbi_begin_pass(c, plan_pass, &pass, 0)) return;
     dgbi_bind_inputs(c, plan_pass);
     dgbi_upload_uniforms(c, plan_pass, q);
     c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program + variant]);
@@ -3268,6 +3513,7 @@ static void dgbi_remember(dgb_context* c, const dgb_params* q) {
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z}, /* present and past */
                                         {DGB_FRAMES, DGB_LAST_FRAMES},
+                                        {DGB_BENT_MEAN, DGB_LAST_BENT},
                                         {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
                                         {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1},
                                         {DGB_REFLECTION, DGB_LAST_REFLECTION},
@@ -3282,7 +3528,7 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     if (context->built - context->shaded > 1u) context->has_history = false; /* velocities reach back one frame only */
     for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
         if (context->textures[turns[i][1]].id) dgbi_swap(context, turns[i][0], turns[i][1]);
-    dgbi_begin(&context->backend);
+    dgbi_begin_drawing(context);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
         if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
@@ -3291,7 +3537,10 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
     }
-    dgbi_end(&context->backend);
+    if (dgbi_end_drawing(context) != DGB_OK) {
+        context->has_history = false;
+        return context->drawing;
+    }
     dgbi_remember(context, params);
     return DGB_OK;
 }

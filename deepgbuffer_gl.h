@@ -56,6 +56,12 @@
        glGet: then set your own.
        Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
 
+   ERRORS OF GL
+       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
+       does not count it against itself. What the driver refused in a call, out of memory or lost with its context, makes
+       dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for errors: do so yourself.
+       After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
+
    UNITS AND BINDINGS
        Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback the oracle sits
        in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
@@ -93,7 +99,7 @@ extern "C" {
 #define DGBGL_MAX_IMAGES 5
 #define DGBGL_MAX_VIEWPORTS 16
 #define DGBGL_MAX_DRAW_BUFFERS 8
-#define DGBGL_TOGGLE_COUNT 25
+#define DGBGL_TOGGLE_COUNT 23
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
@@ -186,7 +192,11 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(int, GetUniformLocation, (unsigned int, const char*))                                                    \
     X(void, Uniform1i, (int, int))                                                                             \
     X(unsigned int, GetUniformBlockIndex, (unsigned int, const char*))                                         \
-    X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))
+    X(void, UniformBlockBinding, (unsigned int, unsigned int, unsigned int))                                   \
+    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                          \
+    X(void, GenQueries, (int, unsigned int*))                                                                  \
+    X(void, DeleteQueries, (int, const unsigned int*))                                                         \
+    X(void, GetInteger64v, (unsigned int, int64_t*))
 
 #define DGBGL_OPTIONAL_FUNCTIONS(X)                                                                              \
     X(unsigned char, IsEnabledi, (unsigned int, unsigned int))                                                   \
@@ -205,16 +215,12 @@ typedef struct dgbgl_varying { /* one of the engine's own varyings */
     X(void, TextureBarrier, (void))                                                                              \
     X(void, MemoryBarrier, (unsigned int))                                                                       \
     X(void, BindImageTexture, (unsigned int, unsigned int, int, unsigned char, int, unsigned int, unsigned int)) \
-    X(void, ClearBufferuiv, (unsigned int, int, const unsigned int*))                                            \
     X(void, FramebufferTexture, (unsigned int, unsigned int, unsigned int, int))                                 \
     X(void, TexStorage2D, (unsigned int, int, unsigned int, int, int))                                           \
     X(void, TexStorage3D, (unsigned int, int, unsigned int, int, int, int))                                      \
     X(void, ObjectLabel, (unsigned int, unsigned int, int, const char*))                                         \
     X(void, PushDebugGroup, (unsigned int, unsigned int, int, const char*))                                      \
     X(void, PopDebugGroup, (void))                                                                               \
-    X(void, GenQueries, (int, unsigned int*))                                                                    \
-    X(void, DeleteQueries, (int, const unsigned int*))                                                           \
-    X(void, GetInteger64v, (unsigned int, int64_t*))                                                             \
     X(void, QueryCounter, (unsigned int, unsigned int))                                                          \
     X(void, GetQueryObjectiv, (unsigned int, unsigned int, int*))                                                \
     X(void, GetQueryObjectui64v, (unsigned int, unsigned int, uint64_t*))
@@ -266,6 +272,7 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     } framebuffers[DGBGL_MAX_FRAMEBUFFERS];
     int next_framebuffer;
     dgb_pass pass;                        /* that is running */
+    dgb_result drawing;                   /* what GL said of the library's own calls since begin */
     dgb_texture narrowed[DGB_MAX_INPUTS]; /* textures whose level range it restricted */
     int narrowed_count;
     struct {
@@ -278,8 +285,9 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     dgbgl_state state;
 } dgbgl_backend;
 
-/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc,
-   DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point is missing; *gl is then zero. */
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or with a
+   unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point
+   is missing or an object cannot be made; *gl is then zero. */
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
 /* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
@@ -477,6 +485,22 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return (vec2(turns >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
     "\n"
+    "int dgb_hilbert_index(ivec2 pixel) {\n"
+    "    uvec2 p     = uvec2(pixel);\n"
+    "    uint  index = 0u;\n"
+    "    for (int bit = 5; bit >= 0; --bit) {\n"
+    "        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper\n"
+    "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n"
+    "        p             = quarter.y == 0u ? p.yx ^ (0u - quarter.x) : p;\n"
+    "    }\n"
+    "    return int(index);\n"
+    "}\n"
+    "\n"
+    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n"
+    "    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;\n"
+    "    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;\n"
+    "}\n"
+    "\n",
     "int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {\n"
     "    // in brackets: what is the same for all taps\n"
     "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;\n"
@@ -488,7 +512,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "}\n"
     "\n"
     "float dgb_depth_code(float depth, float codes) {\n"
-    "    float scaled = depth * codes;\n",
+    "    float scaled = depth * codes;\n"
     "    if (!(codes > 0.0) || !(scaled >= 0.0 && scaled <= codes)) return depth;\n"
     "    return (scaled < 8388608.0 ? floor(scaled + 0.5) : scaled) / codes;\n"
     "}\n"
@@ -570,7 +594,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
     "    return d2 <= r2 && cosine > DGB_MIN_COSINE ? cosine : 0.0;\n"
     "}\n"
-    "\n"
+    "\n",
     "float dgb_gather_scale(float sum_cos, float count, float k) {\n"
     "    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;\n"
     "}\n"
@@ -582,7 +606,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "        high = albedo[i] > high ? albedo[i] : high;\n"
     "        low  = albedo[i] < low ? albedo[i] : low;\n"
     "    }\n"
-    "    low = max(low, 0.0);\n",
+    "    low = max(low, 0.0);\n"
     "    return unsaturated + (saturated - unsaturated) * (high > low && high <= largest ? (high - low) / high : 0.0);\n"
     "}\n"
     "\n"
@@ -801,7 +825,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "flat in int dgb_v_layer;\n"
     "#endif\n"
     "\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_KEEP_TEST\n"
     "uniform sampler2DArray dgb_oracle;\n"
     "#endif\n"
     "\n"
@@ -834,7 +858,7 @@ static const char* const dgbgli_glsl_layers_fragment[] = { /* 12_layers_fragment
     "// the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0\n"
     "// when nothing moves: then every oracle gives what peeling gives, bit for bit.\n"
     "bool dgb_kept_in(int layer) {\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_KEEP_TEST\n"
     "    vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer\n"
     "    float z     = dgb_oracle_z(gl_FragCoord.z, dgb_draw_camera);\n"
     "    if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {\n"
@@ -992,6 +1016,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "uniform sampler2D dgb_engine_albedo1;\n"
     "uniform sampler2D dgb_engine_velocity0;\n"
     "uniform sampler2D dgb_engine_velocity1;\n"
+    "uniform sampler2D dgb_engine_back;\n"
     "uniform sampler2D dgb_engine_roughness;\n"
     "\n"
     "float dgb_depth_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_depth0, p, 0).r : texelFetch(dgb_engine_depth1, p, 0).r; }\n"
@@ -999,6 +1024,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_radiance0, p, 0).rgb : texelFetch(dgb_engine_radiance1, p, 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_albedo0, p, 0).rgb : texelFetch(dgb_engine_albedo1, p, 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return layer == 0 ? texelFetch(dgb_engine_velocity0, p, 0).rgb : texelFetch(dgb_engine_velocity1, p, 0).rgb; }\n"
+    "float dgb_back_at(ivec2 p) { return texelFetch(dgb_engine_back, p, 0).r; }\n"
     "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_engine_roughness, p, 0).r; }\n"
     "#else\n"
     "uniform sampler2DArray dgb_depth;\n"
@@ -1006,6 +1032,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "uniform sampler2DArray dgb_radiance;\n"
     "uniform sampler2DArray dgb_albedo;\n"
     "uniform sampler2DArray dgb_velocity;\n"
+    "uniform sampler2D dgb_back;\n"
     "\n"
     "// Deeper layers may have a lower resolution: they fill a part of their images.\n"
     "ivec3 dgb_texel(int layer, ivec2 p) { return ivec3(p / (layer > 0 ? DGB_DIVISOR : 1), layer); }\n"
@@ -1015,6 +1042,7 @@ static const char* const dgbgli_glsl_source[] = { /* 18_source.glsl */
     "vec3  dgb_radiance_at(int layer, ivec2 p) { return texelFetch(dgb_radiance, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_albedo_at(int layer, ivec2 p) { return texelFetch(dgb_albedo, dgb_texel(layer, p), 0).rgb; }\n"
     "vec3  dgb_velocity_at(int layer, ivec2 p) { return texelFetch(dgb_velocity, dgb_texel(layer, p), 0).rgb; }\n"
+    "float dgb_back_at(ivec2 p) { return texelFetch(dgb_back, dgb_texel(1, p).xy, 0).r; }\n"
     "float dgb_roughness_at(ivec2 p) { return texelFetch(dgb_normal, ivec3(p, 0), 0).b; }\n"
     "#endif\n",
     0
@@ -1026,7 +1054,6 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "// temporal and glossy.\n"
     "\n"
     "const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history\n"
-    "const float DGB_MOST_FRAMES      = 64.0; // counted\n"
     "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
     "\n"
     "struct dgb_reprojection {\n"
@@ -1102,7 +1129,7 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "#if DGB_DEEP\n"
     "    vec4 e1 = texelFetch(dgb_last_irradiance1, texel, 0);\n"
     "    e       = layer == 1 ? e1 : e;\n"
-    "#endif\n",
+    "#endif\n"
     "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
     "}\n"
     "#endif\n",
@@ -1123,7 +1150,9 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "    dgb_reprojection dgb_pack_past;\n"
     "};\n"
     "\n"
-    "float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }\n"
+    "float dgb_z_of(float depth) { return dgb_linear_z(dgb_depth_code(depth, dgb_pack_separation.y), dgb_pack_camera); }\n"
+    "\n"
+    "float dgb_z_at(int layer, ivec2 p) { return dgb_z_of(dgb_depth_at(layer, p)); }\n"
     "\n"
     "layout(location = 0) out vec4 dgb_out_z;\n"
     "layout(location = 1) out vec4 dgb_out_normals;\n"
@@ -1209,6 +1238,10 @@ static const char* const dgbgli_glsl_pack[] = { /* 20_pack.glsl */
     "    float z0        = dgb_z_at(0, p);\n"
     "    dgb_out_z       = vec4(dgb_packed_z(z0), 0.0, 0.0, 0.0);\n"
     "    dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);\n"
+    "#if DGB_BACK\n"
+    "    float back = dgb_z_of(dgb_back_at(p)); // behind another pixel's layer 0, with a divisor: never before this one's\n"
+    "    dgb_out_z.z = dgb_packed_z(dgb_keep_test(back, z0, 0.0) ? back : 0.0);\n"
+    "#endif\n"
     "#if DGB_PACK_RADIANCE\n"
     "    dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0, dgb_out_normals.xy), 1.0);\n"
     "#endif\n"
@@ -1411,6 +1444,26 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     0
 };
 
+static const char* const dgbgli_glsl_thickness[] = { /* 36_thickness.glsl */
+    "#line 360001\n"
+    "// How far behind itself a surface hides what is there, shared by the bitmask and the reflections: no farther than `most`, m. What\n"
+    "// is known to lie behind the first layer ends it sooner; but behind a thin object may stand the next, too near for the second\n"
+    "// layer, so that a back face ends no surface before a part of the way. zs: as DGB_Z holds them.\n"
+    "const float DGB_LEAST_THICKNESS = 0.25; // of the most; without it occlusion errs more in every scene measured\n"
+    "\n"
+    "vec2 dgb_thickness_of(vec4 zs, float most) {\n"
+    "    vec2 thickness = vec2(most);\n"
+    "#if DGB_LAYERS > 1 && DGB_THICKNESS != 1\n"
+    "    thickness.x = min(thickness.x, zs.x - zs.y);\n"
+    "#endif\n"
+    "#if DGB_THICKNESS == 2\n"
+    "    thickness.x = min(thickness.x, max(zs.x - zs.z, DGB_LEAST_THICKNESS * most));\n"
+    "#endif\n"
+    "    return thickness;\n"
+    "}\n",
+    0
+};
+
 static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
     "#line 370001\n"
     "// The mathematics of the visibility bitmask (Therrien et al. 2023). A slice is a half plane bounded by the line of sight. Each\n"
@@ -1456,6 +1509,34 @@ static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
     "    uint pairs = sectors - ((sectors >> 1) & 0x55555555u);\n"
     "    uint fours = (pairs & 0x33333333u) + ((pairs >> 2) & 0x33333333u);\n"
     "    return int((((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);\n"
+    "}\n"
+    "\n"
+    "float dgb_slice_angle(vec4 slice, float share) {\n"
+    "    float horizon = slice.z + 0.5 * DGB_PI;\n"
+    "    float t       = horizon * (2.0 / DGB_PI) * dgb_arc_sine(sqrt(share));\n"
+    "    for (int i = 0; i < 3; ++i) { // Newton's; at the ends, where the share does not grow, t stays\n"
+    "        float s = sin(t), c = cos(t);\n"
+    "        float off = (s * s * slice.x + (t - s * c) * slice.y) * slice.w - share, slope = 2.0 * s * (c * slice.x + s * slice.y) * slice.w;\n"
+    "        t = clamp(t - off / max(slope, 1e-3), 0.0, horizon);\n"
+    "    }\n"
+    "    return share < 1.0 ? t : horizon;\n"
+    "}\n"
+    "\n"
+    "vec2 dgb_slice_sum(vec4 slice, float angle) {\n"
+    "    float s = sin(angle), c = cos(angle), s3 = s * s * s, c3 = c * c * c;\n"
+    "    return vec2(slice.x * (1.0 - c3) + slice.y * s3, slice.x * s3 + slice.y * (2.0 - 3.0 * c + c3)) * (2.0 / 3.0 * slice.w);\n"
+    "}\n"
+    "\n"
+    "// Four sectors at a time, which lie so near together that any of them has their mean direction.\n"
+    "vec2 dgb_sectors_mean(vec4 slice, uint sectors) {\n"
+    "    vec2 sum = vec2(0.0), before = vec2(0.0);\n"
+    "    for (int i = 1; i <= 8; ++i) {\n"
+    "        vec2 up_to = dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125 * float(i)));\n"
+    "        sum += (up_to - before) * (0.25 * float(dgb_sector_count(sectors & 15u)));\n"
+    "        before = up_to;\n"
+    "        sectors >>= 4u;\n"
+    "    }\n"
+    "    return sum;\n"
     "}\n",
     0
 };
@@ -1537,7 +1618,7 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
 static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#line 450001\n"
     "// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers\n"
-    "// (Therrien et al. 2023), here of two layers, the first no thicker than the way to the second. Slices are marched from near to far:\n"
+    "// (Therrien et al. 2023), here of two layers. Slices are marched from near to far:\n"
     "// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals\n"
     "// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer\n"
     "// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.\n"
@@ -1548,6 +1629,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    ivec4      dgb_bitmask_level;  // log2 q, min level, max level, 1: the second layer matters everywhere\n"
     "    vec4       dgb_bitmask_radius; // r (m), r^2, thickness (m), largest reach (pixels)\n"
     "    vec4       dgb_bitmask_scale;  // slices, 1 / slices, exponent of visibility, 0 to leave out the first layer\n"
+    "    vec4       dgb_bitmask_world[3]; // camera to world, columns\n"
     "};\n"
     "\n"
     "uniform sampler2D dgb_z;\n"
@@ -1563,6 +1645,9 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#endif\n"
     "#else\n"
     "layout(location = 0) out vec4 dgb_out_ao;\n"
+    "#if DGB_BENT\n"
+    "layout(location = 1) out vec4 dgb_out_bent;\n"
+    "#endif\n"
     "#endif\n"
     "\n"
     "struct dgb_receiver {\n"
@@ -1570,15 +1655,16 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    vec2  at; // where the surface is, pixels\n"
     "    vec3  x, n, v; // v: towards the eye\n"
     "    float reach;   // pixels\n"
-    "    vec4  noise;   // of the slice: angle, height; of the steps, of the sectors; 0..1\n"
+    "    vec4  noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1\n"
     "};\n"
     "\n"
     "struct dgb_march { // along one slice\n"
     "    vec4 slice;\n"
+    "    vec3 d;              // across the line of sight, unit\n"
     "    vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane\n"
     "    vec2 direction;      // in the image\n"
     "    uint seen;           // sectors that are covered\n"
-    "    vec3 light;          // sum over sectors\n"
+    "    vec3 light;          // sum over sectors: of what they see, or, for DGB_BENT, of the directions of those that are covered\n"
     "};\n"
     "\n"
     "// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; those within the radius have s from far to\n"
@@ -1601,8 +1687,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    r.n     = dgb_oct16_decode(normal);\n"
     "    r.v     = -dgb_view(r.x, dgb_bitmask_camera);\n"
     "    r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);\n"
-    "    // other pixels' numbers, which take other turns over the frames: the two pairs have nothing in common\n"
-    "    r.noise = vec4(dgb_pixel_pair(pixel, dgb_bitmask_size.w), dgb_pixel_pair(pixel + ivec2(16384, 0), dgb_bitmask_size.w * 31));\n"
+    "    r.noise = dgb_pixel_quad(pixel, dgb_bitmask_size.w);\n"
     "    return r;\n"
     "}\n"
     "\n"
@@ -1610,7 +1695,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "dgb_march dgb_march_at(dgb_receiver r, float shift) {\n"
     "    vec4  noise    = fract(r.noise + shift);\n"
     "    vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;\n"
-    "    float height   = 1.0 - 2.0 * noise.y;\n"
+    "    float height   = 1.0 - 2.0 * noise.z;\n"
     "    vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));\n"
     "    vec3  across   = cross(d, r.v);\n"
     "    vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));\n"
@@ -1618,9 +1703,10 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
     "    dgb_march m;\n"
     "    m.slice     = dgb_slice(r.n, r.v, d);\n"
+    "    m.d         = d;\n"
     "    m.towards   = r.v + oblique.x * across;\n"
-    "    m.along     = d + oblique.y * across;\n"
-    "    vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d\n",
+    "    m.along     = d + oblique.y * across;\n",
+    "    vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d\n"
     "    m.direction = moved * inversesqrt(max(dot(moved, moved), 1e-30));\n"
     "    m.seen      = 0u;\n"
     "    m.light     = vec3(0.0);\n"
@@ -1696,20 +1782,18 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    bool  known = all(greaterThanEqual(to, vec2(0.0))) && all(lessThan(to, vec2(size)));\n"
     "    int   level = dgb_mip_level(h, dgb_bitmask_level.x, dgb_bitmask_level.y, dgb_bitmask_level.z);\n"
     "    ivec2 texel = min(ivec2(clamp(to, vec2(0.0), vec2(size - 1))) >> level, (size >> level) - 1);\n"
-    "    ivec2 pixel = dgb_mip_source(texel, level);\n"
+    "    ivec2 pixel = dgb_mip_source(texel, level);\n",
     "    vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything\n"
     "    known       = known && pixel != r.pixel;\n"
-    "\n",
-    "    vec2        zs = texelFetch(dgb_z, texel, level).xy;\n"
+    "\n"
+    "    vec4        zs = texelFetch(dgb_z, texel, level);\n"
+    "    vec2        thickness = dgb_thickness_of(zs, dgb_bitmask_radius.z);\n"
     "    vec3        b0 = vec3(0.0), b1 = vec3(0.0);\n"
     "    dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);\n"
-    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, thickness.x, vec3(0.0));\n"
     "#if DGB_NORMAL_TEST\n"
     "    vec4 normals = texelFetch(dgb_normals, texel, level);\n"
     "    y.n          = dgb_oct16_direction(normals.xy);\n"
-    "#endif\n"
-    "#if DGB_LAYERS > 1\n"
-    "    y.thickness = min(y.thickness, zs.x - zs.y);\n"
     "#endif\n"
     "#if DGB_BITMASK_LIGHT\n"
     "    b0 = texelFetch(dgb_b0, texel, level).rgb;\n"
@@ -1721,7 +1805,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#if DGB_DIVISOR > 1\n"
     "        l = dgb_sight_at(dgb_centre(1, pixel), r);\n"
     "#endif\n"
-    "        y = dgb_surface(zs.y - r.x.z, dgb_bitmask_radius.z, vec3(0.0));\n"
+    "        y = dgb_surface(zs.y - r.x.z, thickness.y, vec3(0.0));\n"
     "#if DGB_NORMAL_TEST\n"
     "        y.n = dgb_oct16_direction(normals.zw);\n"
     "#endif\n"
@@ -1734,7 +1818,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#endif\n"
     "}\n"
     "\n"
-    "// Means over all slices. rgb: irradiance; a: share of the cosine-weighted hemisphere that is covered.\n"
+    "// Means over all slices. rgb: irradiance over pi, or covered directions; a: share of the cosine-weighted hemisphere that is covered.\n"
     "vec4 dgb_look(dgb_receiver r, bool there, bool second) {\n"
     "    int   steps = dgb_bitmask_size.z;\n"
     "    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.reach / float(steps);\n"
@@ -1742,17 +1826,29 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {\n"
     "        float     shift  = float(i) * pair;\n"
     "        dgb_march m      = dgb_march_at(r, shift);\n"
-    "        vec2      jitter = fract(r.noise.zw + shift);\n"
+    "        vec2      jitter = fract(r.noise.yw + shift);\n"
     "        for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);\n"
+    "#if DGB_BENT\n"
+    "        vec2 covered = 32.0 * dgb_sectors_mean(m.slice, m.seen);\n"
+    "        m.light      = covered.x * r.v + covered.y * m.d;\n"
+    "#endif\n"
     "        sum += vec4(m.light, float(dgb_sector_count(m.seen)));\n"
     "    }\n"
-    "    sum *= pair / 32.0;\n"
-    "    return vec4(DGB_PI * sum.rgb, sum.a);\n"
+    "    return sum * (pair / 32.0);\n"
     "}\n"
     "\n"
     "#if DGB_BITMASK_LIGHT\n"
     "// Irradiance of what is covered as if it covered all, and how much it covers: their product is what arrives.\n"
-    "vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(look.rgb / look.a) : vec3(0.0), look.a); }\n"
+    "vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(DGB_PI * look.rgb / look.a) : vec3(0.0), look.a); }\n"
+    "#endif\n"
+    "\n"
+    "#if DGB_BENT\n"
+    "// Mean of the open directions in world space, weighted by the cosine, and their share. What is covered is taken from the whole,\n"
+    "// 2/3 of the normal: where nothing is, there is no noise.\n"
+    "vec4 dgb_bent(dgb_receiver r, vec4 look) {\n"
+    "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n"
+    "    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);\n"
+    "}\n"
     "#endif\n"
     "\n"
     "void main() {\n"
@@ -1771,8 +1867,12 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    dgb_out_irradiance1 = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z && z.y > DGB_EMPTY_Z && tile.z, true));\n"
     "#endif\n"
     "#else\n"
-    "    float visibility = 1.0 - dgb_look(r, z.x > DGB_EMPTY_Z, tile.x).a;\n"
+    "    vec4  look       = dgb_look(r, z.x > DGB_EMPTY_Z, tile.x);\n"
+    "    float visibility = 1.0 - look.a;\n"
     "    dgb_out_ao       = vec4(dgb_bitmask_scale.z == 1.0 ? visibility : pow(visibility, dgb_bitmask_scale.z));\n"
+    "#if DGB_BENT\n"
+    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_bent(r, look) : vec4(0.0, 0.0, 0.0, 1.0);\n"
+    "#endif\n"
     "#endif\n"
     "}\n",
     0
@@ -1960,11 +2060,15 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "#line 550001\n"
     "// Temporal filter: an exponentially weighted average along the motion of each surface, over ambient visibility, irradiance and\n"
     "// confidence (paper, section 3.3). History may come from either layer, wherever the surface was last frame. The first frames\n"
-    "// weigh alike, so that a surface that has just come into view settles as fast as it can.\n"
+    "// weigh alike, so that a surface that has just come into view settles as fast as it can. With DGB_LIMITED, what stands out from\n"
+    "// the 3 x 3 pixels of this frame is limited: history where the surface moves, and single samples.\n"
+    "\n"
+    "const float DGB_MOST_FRAMES = 1000.0; // counted: a half holds them exactly, and the greatest weight needs 999\n"
     "\n"
     "layout(std140) uniform dgb_temporal_block {\n"
     "    dgb_camera       dgb_temporal_camera;\n"
-    "    vec4             dgb_temporal_weight; // of history\n"
+    "    vec4             dgb_temporal_weight; // of history; standard deviations, and times the mean, that are let through; frame\n"
+    "    ivec4            dgb_temporal_present; // shaded rectangle: x0, y0, x1, y1, the last two inclusive\n"
     "    dgb_reprojection dgb_temporal_past;\n"
     "};\n"
     "\n"
@@ -1973,6 +2077,10 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "uniform sampler2D dgb_last_frames;\n"
     "#if DGB_FILTER_AO\n"
     "uniform sampler2D dgb_ao_raw;\n"
+    "#endif\n"
+    "#if DGB_BENT\n"
+    "uniform sampler2D dgb_bent_raw;\n"
+    "uniform sampler2D dgb_last_bent;\n"
     "#endif\n"
     "#if DGB_LAST_LIGHT\n"
     "uniform sampler2D dgb_irradiance_raw;\n"
@@ -1988,11 +2096,20 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "#if DGB_DEEP\n"
     "layout(location = 2) out vec4 dgb_out_irradiance1;\n"
     "#endif\n"
+    "#if DGB_BENT && DGB_DEEP\n"
+    "layout(location = 3) out vec4 dgb_out_bent;\n"
+    "#elif DGB_BENT && DGB_LAST_LIGHT\n"
+    "layout(location = 2) out vec4 dgb_out_bent;\n"
+    "#elif DGB_BENT\n"
+    "layout(location = 1) out vec4 dgb_out_bent;\n"
+    "#endif\n"
     "\n"
     "struct dgb_history {\n"
+    "    float moved; // pixels since last frame\n"
     "    vec4  irradiance;\n"
     "    float frames, share; // share: of the bilinear weights that the surface still has\n"
     "    float visibility, visibility_frames, visibility_share;\n"
+    "    vec4  bent; // with the visibility's frames and share\n"
     "};\n"
     "\n"
     "// Layers hand on irradiance to each other, but visibility exists for the first alone.\n"
@@ -2008,6 +2125,10 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    h.visibility_share += weight;\n"
     "    h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);\n"
     "    h.visibility_frames += weight * dgb_storable(frames.y);\n"
+    "#if DGB_BENT\n"
+    "    vec4 bent = texelFetch(dgb_last_bent, texel, 0);\n"
+    "    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through\n"
+    "#endif\n"
     "}\n"
     "\n"
     "dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {\n"
@@ -2016,7 +2137,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    dgb_past    past = dgb_past_of(at, x, dgb_oct16_decode(normal), dgb_velocity_at(layer, pixel), dgb_temporal_past);\n"
     "    vec2        low  = floor(past.pixel - 0.5), part = past.pixel - 0.5 - low;\n"
     "    dgb_history h;\n"
-    "    h.irradiance = vec4(0.0);\n"
+    "    h.moved      = length(at - past.pixel);\n"
+    "    h.irradiance = h.bent = vec4(0.0);\n"
     "    h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;\n"
     "    for (int i = past.tolerance < 0.0 || !(z > DGB_EMPTY_Z) ? 4 : 0; i < 4; ++i) {\n"
     "        ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;\n"
@@ -2026,17 +2148,64 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    }\n"
     "    return h;\n"
     "}\n"
-    "\n"
+    "\n",
     "// Weight of an average of so many frames against one frame more.\n"
     "float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }\n"
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
     "\n"
-    "vec4 dgb_filtered(vec4 raw, inout dgb_history h) {\n"
-    "    float share = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
+    "// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with\n"
+    "// a small share of each frame, an average stays where a frame moves it less than it rounds.\n"
+    "vec4 dgb_dithered(vec4 x, ivec2 pixel) {\n"
+    "    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));\n"
+    "    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one\n"
+    "    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), greaterThanEqual(abs(x), vec4(6.103515625e-5))); // 2^-14\n"
+    "}\n"
+    "\n"
+    "#if DGB_LIMITED\n"
+    "// What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.\n"
+    "vec4 dgb_sample_at(int of, ivec2 p) {\n"
+    "#if DGB_DEEP\n"
+    "    if (of == 1) return dgb_weigh(texelFetch(dgb_irradiance1_raw, p, 0));\n"
+    "#endif\n"
+    "#if DGB_FILTER_AO\n"
+    "    if (of == -1) return vec4(texelFetch(dgb_ao_raw, p, 0).x);\n"
+    "#endif\n"
+    "#if DGB_LAST_LIGHT\n"
+    "    if (of == 0) return dgb_weigh(texelFetch(dgb_irradiance_raw, p, 0));\n"
+    "#endif\n"
+    "    return vec4(0.0);\n"
+    "}\n"
+    "\n"
+    "float dgb_brightest(vec4 light) { return max(light.r, max(light.g, light.b)); }\n"
+    "\n"
+    "// Limits a sample and the history, both weighed, by the mean and the standard deviation of the 3 x 3 samples. A surface that moves\n"
+    "// a pixel a frame or more has the narrowest box, one that stands still has none: there the box would only add the noise of a frame.\n"
+    "void dgb_limit(int of, ivec2 pixel, float moved, bool known, inout vec4 present, inout vec4 history) {\n"
+    "    vec4 sum = vec4(0.0), squares = vec4(0.0);\n"
+    "    for (int i = 0; i < 9; ++i) {\n"
+    "        ivec2 p = clamp(pixel + ivec2(i % 3, i / 3) - 1, dgb_temporal_present.xy, dgb_temporal_present.zw);\n"
+    "        vec4  s = dgb_sample_at(of, p);\n"
+    "        sum += s;\n"
+    "        squares += s * s;\n"
+    "    }\n"
+    "    vec4  mean = sum / 9.0, others = max(sum - present, 0.0) / 8.0;\n"
+    "    vec4  side = sqrt(max(squares / 9.0 - mean * mean, 0.0)) * (dgb_temporal_weight.y / clamp(moved, 1e-3, 1.0));\n"
+    "    if (dgb_temporal_weight.y > 0.0 && moved > 0.0) history = clamp(history, mean - side, mean + side);\n"
+    "    float own = dgb_brightest(present), most = dgb_temporal_weight.z * max(dgb_brightest(others), known ? dgb_brightest(history) : 0.0);\n"
+    "    if (dgb_temporal_weight.z > 0.0 && of >= 0 && own > most) present.rgb *= most / own;\n"
+    "}\n"
+    "#endif\n"
+    "\n"
+    "vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {\n"
+    "    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
+    "    vec4  present = dgb_weigh(raw), history = h.irradiance * share;\n"
     "    h.frames *= share;\n"
-    "    vec4 mean = dgb_unweigh(mix(dgb_weigh(raw), h.irradiance * share, dgb_history_weight(h.frames)));\n"
-    "    return mean.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(mean.rgb), mean.a) : vec4(0.0);\n"
+    "#if DGB_LIMITED\n"
+    "    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);\n"
+    "#endif\n"
+    "    vec4 mean = dgb_unweigh(mix(present, history, dgb_history_weight(h.frames)));\n"
+    "    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), pixel) : vec4(0.0);\n"
     "}\n"
     "\n"
     "void main() {\n"
@@ -2048,24 +2217,32 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    dgb_history h = dgb_history_of(0, pixel, z.x, normals.xy);\n"
     "#if DGB_LAST_LIGHT\n"
     "    vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);\n"
-    "    vec4 filtered      = dgb_filtered(raw, h);\n"
+    "    vec4 filtered      = dgb_filtered(0, pixel, raw, h);\n"
     "    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;\n"
-    "#else\n",
-    "    dgb_filtered(vec4(0.0), h);\n"
+    "#else\n"
+    "    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
     "#endif\n"
     "#if DGB_FILTER_AO\n"
     "    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;\n"
     "    h.visibility_frames *= share;\n"
-    "    float open = texelFetch(dgb_ao_raw, pixel, 0).x;\n"
-    "    open       = mix(open, h.visibility * share, dgb_history_weight(h.visibility_frames));\n"
-    "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open, dgb_one_more(h.visibility_frames));\n"
+    "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);\n"
+    "#if DGB_LIMITED\n"
+    "    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);\n"
+    "#endif\n",
+    "    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);\n"
+    "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));\n"
+    "#endif\n"
+    "#if DGB_BENT\n"
+    "    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);\n"
+    "    vec4 average = mix(bent, h.bent * share, dgb_history_weight(h.visibility_frames));\n"
+    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, pixel) : bent;\n"
     "#endif\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);\n"
     "\n"
     "#if DGB_DEEP\n"
     "    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);\n"
     "    vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);\n"
-    "    vec4        deep    = dgb_filtered(raw1, h1);\n"
+    "    vec4        deep    = dgb_filtered(1, pixel, raw1, h1);\n"
     "    dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? deep : raw1;\n"
     "    if (z.y > DGB_EMPTY_Z) dgb_out_frames.w = dgb_one_more(h1.frames);\n"
     "#endif\n"
@@ -2092,6 +2269,7 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "    vec2  normal; // Oct16\n"
     "    float ao;\n"
     "    vec4  irradiance; // a: confidence\n"
+    "    vec4  bent;\n"
     "};\n"
     "\n"
     "// Two numbers from 0 to 64512 in 32 bits, each as exact as a half float: no sign, 6 bits of exponent, 10 of mantissa. Less than\n"
@@ -2115,6 +2293,9 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#if DGB_FILTER_AO\n"
     "uniform sampler2D dgb_ao_raw;\n"
     "#endif\n"
+    "#if DGB_BENT\n"
+    "uniform sampler2D dgb_bent_raw;\n"
+    "#endif\n"
     "#if DGB_FILTER_IRRADIANCE\n"
     "uniform sampler2D dgb_irradiance_raw;\n"
     "#endif\n"
@@ -2125,15 +2306,18 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "dgb_lit dgb_lit_at(int layer, ivec2 p) {\n"
     "    vec2    z       = texelFetch(dgb_z, p, 0).xy;\n"
     "    vec4    normals = texelFetch(dgb_normals, p, 0);\n"
-    "    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0));\n"
+    "    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0), vec4(0.0));\n"
     "#if DGB_FILTER_AO\n"
     "    s.ao = texelFetch(dgb_ao_raw, p, 0).x;\n"
+    "#endif\n"
+    "#if DGB_BENT\n"
+    "    s.bent = texelFetch(dgb_bent_raw, p, 0);\n"
     "#endif\n"
     "#if DGB_FILTER_IRRADIANCE\n"
     "    s.irradiance = texelFetch(dgb_irradiance_raw, p, 0);\n"
     "#endif\n"
     "#if DGB_DEEP\n"
-    "    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0));\n"
+    "    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0), vec4(0.0));\n"
     "#endif\n"
     "    return s;\n"
     "}\n"
@@ -2142,6 +2326,9 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#if DGB_DEEP\n"
     "uniform usampler2D dgb_half1;\n"
     "#endif\n"
+    "#if DGB_BENT\n"
+    "uniform sampler2D dgb_half_bent;\n"
+    "#endif\n"
     "\n"
     "dgb_lit dgb_lit_at(int layer, ivec2 p) {\n"
     "    uvec4 t = texelFetch(dgb_half, p, 0);\n"
@@ -2149,7 +2336,11 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "    if (layer == 1) t = texelFetch(dgb_half1, p, 0);\n"
     "#endif\n"
     "    vec2 normal = vec2(t.y & 255u, (t.y >> 8) & 255u) * (1.0 / 255.0);\n"
-    "    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)));\n"
+    "    vec4 bent   = vec4(0.0);\n"
+    "#if DGB_BENT\n"
+    "    bent = texelFetch(dgb_half_bent, p, 0);\n"
+    "#endif\n"
+    "    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)), bent);\n"
     "}\n"
     "#endif\n"
     "\n"
@@ -2158,6 +2349,11 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "layout(location = 0) out uvec4 dgb_out_half;\n"
     "#if DGB_DEEP\n"
     "layout(location = 1) out uvec4 dgb_out_half1;\n"
+    "#endif\n"
+    "#if DGB_BENT && DGB_DEEP\n"
+    "layout(location = 2) out vec4 dgb_out_half_bent;\n"
+    "#elif DGB_BENT\n"
+    "layout(location = 1) out vec4 dgb_out_half_bent;\n"
     "#endif\n"
     "\n"
     "uvec4 dgb_texel(dgb_lit s) {\n"
@@ -2171,25 +2367,33 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#if DGB_FILTER_IRRADIANCE\n"
     "layout(location = DGB_FILTER_AO) out vec4 dgb_out_irradiance;\n"
     "#endif\n"
-    "#if DGB_DEEP && DGB_FILTER_AO\n"
+    "#if DGB_DEEP && DGB_FILTER_AO\n",
     "layout(location = 2) out vec4 dgb_out_irradiance1;\n"
     "#elif DGB_DEEP\n"
     "layout(location = 1) out vec4 dgb_out_irradiance1;\n"
+    "#endif\n"
+    "#if DGB_BENT && DGB_DEEP\n"
+    "layout(location = 3) out vec4 dgb_out_bent;\n"
+    "#elif DGB_BENT && DGB_FILTER_IRRADIANCE\n"
+    "layout(location = 2) out vec4 dgb_out_bent;\n"
+    "#elif DGB_BENT\n"
+    "layout(location = 1) out vec4 dgb_out_bent;\n"
     "#endif\n"
     "#endif\n"
     "\n"
     "struct dgb_sums {\n"
     "    float weight, ao;\n"
-    "    vec4  irradiance;\n"
+    "    vec4  irradiance, bent;\n"
     "};\n"
     "\n"
     "void dgb_add(inout dgb_sums sums, float weight, dgb_lit s) {\n"
     "    sums.weight += weight;\n"
     "    sums.ao += weight * s.ao;\n"
+    "    sums.bent += weight * s.bent;\n"
     "    sums.irradiance += vec4(s.irradiance.rgb * (weight * s.irradiance.a), weight * s.irradiance.a); // dgb_weigh\n"
     "}\n"
     "\n"
-    "struct dgb_filter { // of one surface\n",
+    "struct dgb_filter { // of one surface\n"
     "    int        layer;\n"
     "    ivec2      pixel;\n"
     "    dgb_origin x;\n"
@@ -2212,7 +2416,7 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "    dgb_origin x    = dgb_origin_at(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);\n"
     "    dgb_filter f    = dgb_filter(layer, pixel, x, dgb_oct16_decode(s.normal));\n"
     "    int        side = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0, here = pixel[DGB_AXIS];\n"
-    "    dgb_sums   sums = dgb_sums(0.0, 0.0, vec4(0.0));\n"
+    "    dgb_sums   sums = dgb_sums(0.0, 0.0, vec4(0.0), vec4(0.0));\n"
     "    dgb_add(sums, dgb_reconstruct_weights[0].x, s);\n"
     "    for (int i = 1; i <= side; ++i) { // on both sides at once: i is the same for all pixels, and so is what it reads\n"
     "        int   before = here - i * dgb_reconstruct_axis[DGB_AXIS], after = here + i * dgb_reconstruct_axis[DGB_AXIS];\n"
@@ -2222,6 +2426,7 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "    }\n"
     "    vec4 irradiance = dgb_unweigh(sums.irradiance / sums.weight);\n"
     "    s.ao            = sums.ao / sums.weight;\n"
+    "    s.bent          = sums.bent / sums.weight;\n"
     "    s.irradiance    = vec4(dgb_storable(irradiance.rgb), irradiance.a);\n"
     "    return s;\n"
     "}\n"
@@ -2234,9 +2439,15 @@ static const char* const dgbgli_glsl_reconstruct[] = { /* 60_reconstruct.glsl */
     "#if DGB_DEEP\n"
     "    dgb_out_half1 = dgb_texel(dgb_filtered(1, pixel));\n"
     "#endif\n"
+    "#if DGB_BENT\n"
+    "    dgb_out_half_bent = s.bent;\n"
+    "#endif\n"
     "#else\n"
     "#if DGB_FILTER_AO\n"
     "    dgb_out_ao = vec4(s.ao);\n"
+    "#endif\n"
+    "#if DGB_BENT\n"
+    "    dgb_out_bent = s.bent;\n"
     "#endif\n"
     "#if DGB_FILTER_IRRADIANCE\n"
     "    dgb_out_irradiance = s.irradiance;\n"
@@ -2395,21 +2606,13 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    float depth; // behind the surface when the ray came there, as a share of the thickness; 0: it came from before it\n"
     "};\n"
     "\n"
-    "// How thick the surfaces of a texel are taken to be: the first no thicker than the way to the second.\n"
-    "vec2 dgb_thickness(vec2 zs) {\n"
-    "#if DGB_LAYERS > 1\n"
-    "    return vec2(min(dgb_reflect_ray.y, zs.x - zs.y), dgb_reflect_ray.y);\n"
-    "#else\n"
-    "    return dgb_reflect_ray.yy;\n"
-    "#endif\n"
-    "}\n"
-    "\n"
     "dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {\n"
     "    float   z = dgb_ray_z(ray, s), nearest = max(z, z_before);\n"
     "    dgb_hit hit;\n"
     "    hit.s     = s;\n"
     "    hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);\n"
-    "    vec2 zs   = texelFetch(dgb_z, hit.texel, 0).xy, thickness = dgb_thickness(zs);\n"
+    "    vec4 zs        = texelFetch(dgb_z, hit.texel, 0);\n"
+    "    vec2 thickness = dgb_thickness_of(zs, dgb_reflect_ray.y);\n"
     "    ++dgb_lookups;\n"
     "    bool first = dgb_is_behind(z, z_before, zs.x, thickness.x) && dgb_is_above(dgb_centre(0, hit.texel), zs.x, ray), second = false;\n"
     "#if DGB_LAYERS > 1\n"
@@ -2445,13 +2648,13 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "bool dgb_is_clear(dgb_ray ray, float jitter, int first, int last, vec2 z, int log2_cell) {\n"
     "    vec2  a = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, first)), b = dgb_ray_pixel(ray, dgb_step_end(ray, jitter, last));\n"
     "    ivec2 corner = clamp(ivec2(min(a, b)), ivec2(0), dgb_reflect_size.xy - 1);\n"
-    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n",
+    "    vec4  range  = texelFetch(dgb_ranges, corner >> log2_cell, log2_cell - DGB_LOG2_CELL);\n"
     "    float low = min(z.x, z.y), high = max(z.x, z.y);\n"
     "    low -= DGB_Z_ROUNDING * abs(low);\n"
     "    high += DGB_Z_ROUNDING * abs(high);\n"
     "    ++dgb_lookups;\n"
     "    bool hits = dgb_may_hit(range.xy, low, high);\n"
-    "#if DGB_LAYERS > 1\n"
+    "#if DGB_LAYERS > 1\n",
     "    hits = hits || dgb_may_hit(range.zw, low, high);\n"
     "#endif\n"
     "    return !hits;\n"
@@ -2544,11 +2747,11 @@ static const char* const dgbgli_glsl_reflect[] = { /* 65_reflect.glsl */
     "    float z      = texelFetch(dgb_z, pixel, 0).x;\n"
     "    vec3  x      = dgb_position(gl_FragCoord.xy, z, dgb_reflect_camera);\n"
     "    vec3  n      = dgb_oct16_decode(texelFetch(dgb_normals, pixel, 0).xy);\n"
-    "    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;\n",
+    "    vec3  view   = dgb_view(x, dgb_reflect_camera), facet = n;\n"
     "    int   frame  = 0; // nothing averages the frames of a mirror: always the same\n"
     "#if DGB_GLOSSY\n"
     "    float alpha = dgb_ggx_alpha(dgb_roughness_at(pixel));\n"
-    "    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;\n"
+    "    frame       = alpha > 0.0 ? dgb_reflect_size.w : 0;\n",
     "    facet       = dgb_ggx_normal(-view, n, alpha, dgb_pixel_pair(pixel, frame));\n"
     "#endif\n"
     "    float jitter = (float(dgb_pixel_hash(pixel, frame)) + 0.5) / 256.0;\n"
@@ -2635,6 +2838,7 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "    return 2.0 * lobe.alpha * way * dgb_pixels_per_metre(dgb_image_of(lobe, way).z, dgb_glossy_camera);\n"
     "}\n"
     "\n"
+    "const float DGB_MOST_FRAMES = 64.0; // counted\n"
     "const float DGB_MOST_WEIGHT = 4.0; // of a neighbour's ray: where lobes differ, one ray must not stand for all\n"
     "\n"
     "// Weight of a neighbour's ray; zero light if it is not to be seen from here. A miss has a direction, a hit a point, which from\n"
@@ -2661,8 +2865,8 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "dgb_mean dgb_mean_at(ivec2 pixel, dgb_lobe own) {\n"
     "    vec4     hit    = texelFetch(dgb_reflection_hit, pixel, 0);\n"
     "    float    radius = min(dgb_blur(own, dgb_way(hit)), dgb_glossy_reach.x), total = 1.0;\n"
-    "    float    angle  = 2.0 * DGB_PI / 256.0 * float(dgb_pixel_hash(pixel, dgb_glossy_size.y));\n"
-    "    vec2     turn   = vec2(cos(angle), sin(angle));\n",
+    "    float    angle  = 2.0 * DGB_PI / 256.0 * float(dgb_pixel_hash(pixel, dgb_glossy_size.y));\n",
+    "    vec2     turn   = vec2(cos(angle), sin(angle));\n"
     "    dgb_mean mean;\n"
     "    mean.weighed = dgb_weigh(texelFetch(dgb_reflection_raw, pixel, 0));\n"
     "    mean.way     = dgb_way(hit);\n"
@@ -2747,8 +2951,8 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "    mean.weighed   = mix(mean.weighed, h.weighed, min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z));\n"
     "    dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);\n"
     "#endif\n"
-    "    vec4 filtered      = dgb_unweigh(mean.weighed);\n"
-    "    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);\n",
+    "    vec4 filtered      = dgb_unweigh(mean.weighed);\n",
+    "    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);\n"
     "    dgb_out_reflection = rough ? filtered : raw;\n"
     "}\n",
     0
@@ -2768,6 +2972,26 @@ static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     "// visibility: of DGB_AO; 1 without. irradiance: of DGB_IRRADIANCE; vec4(0) without.\n"
     "vec3 dgb_fallback(vec3 probe, float visibility, vec4 irradiance) {\n"
     "    return mix(visibility * probe, irradiance.rgb, dgb_covered(irradiance.a));\n"
+    "}\n"
+    "\n"
+    "// Direction, world space, in which a point is open; bent: of DGB_BENT, normal: of the surface, for where nothing is open.\n"
+    "vec3 dgb_bent_direction(vec4 bent, vec3 normal) {\n"
+    "    float d2 = dot(bent.xyz, bent.xyz);\n"
+    "    return d2 > 1e-6 ? bent.xyz * inversesqrt(d2) : normal;\n"
+    "}\n"
+    "\n"
+    "// Cosine of the half angle of the cone that is as open. Twin of the C function of the same name.\n"
+    "float dgb_bent_cosine(vec4 bent) {\n"
+    "    float k      = max(1.5 * length(bent.xyz) / max(bent.a, 1e-6) - 1.0, 0.0);\n"
+    "    float cosine = 0.5 * (k + sqrt(k * k + 4.0 * k));\n"
+    "    return bent.a > 0.0 && cosine < 1.0 ? cosine : 1.0;\n"
+    "}\n"
+    "\n"
+    "// Irradiance, W/m2, of the open directions, from a cube map of radiance whose MIP level m is blurred over a cone of 2^m texels\n"
+    "// of its level 0, `texels` along a face's side. Never more than pi times its brightest texel times the open share.\n"
+    "vec3 dgb_probe_visible(samplerCube radiance, float texels, vec4 bent, vec3 normal) {\n"
+    "    float cosine = dgb_bent_cosine(bent), across = sqrt(max(1.0 - cosine * cosine, 0.0)) * texels;\n"
+    "    return 3.14159265 * bent.a * textureLod(radiance, dgb_bent_direction(bent, normal), log2(max(across, 1.0))).rgb;\n"
     "}\n"
     "\n"
     "// Radiance, W/(m2 sr). environment: of your environment map in the mirrored direction, prefiltered for the roughness if glossy.\n"
@@ -2874,7 +3098,9 @@ enum {
     DGBGLI_LESS = 0x0201,
     DGBGLI_GREATER = 0x0204,
     DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_INVALID_ENUM = 0x0500,
     DGBGLI_OUT_OF_MEMORY = 0x0505,
+    DGBGLI_CONTEXT_LOST = 0x0507,
     DGBGLI_POLYGON_MODE = 0x0B40,
     DGBGLI_CULL_FACE = 0x0B44,
     DGBGLI_DEPTH_RANGE = 0x0B70,
@@ -2970,8 +3196,10 @@ enum {
     DGBGLI_UNIFORM_BUFFER_BINDING = 0x8A28,
     DGBGLI_UNIFORM_BUFFER_START = 0x8A29,
     DGBGLI_UNIFORM_BUFFER_SIZE = 0x8A2A,
+    DGBGLI_MAX_UNIFORM_BUFFER_BINDINGS = 0x8A2F,
     DGBGLI_FRAGMENT_SHADER = 0x8B30,
     DGBGLI_VERTEX_SHADER = 0x8B31,
+    DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS = 0x8B4D,
     DGBGLI_COMPILE_STATUS = 0x8B81,
     DGBGLI_LINK_STATUS = 0x8B82,
     DGBGLI_CURRENT_PROGRAM = 0x8B8D,
@@ -3093,9 +3321,52 @@ static void dgbgli_message(const dgbgl_backend* gl, const char* what, const char
     gl->desc.message(gl->desc.message_user, buffer);
 }
 
+/* >> errors */
+
+static const char* dgbgli_error_name(unsigned int error) {
+    static const char* const names[] = {"GL_INVALID_ENUM",
+                                        "GL_INVALID_VALUE",
+                                        "GL_INVALID_OPERATION",
+                                        "GL_STACK_OVERFLOW",
+                                        "GL_STACK_UNDERFLOW",
+                                        "GL_OUT_OF_MEMORY",
+                                        "GL_INVALID_FRAMEBUFFER_OPERATION",
+                                        "GL_CONTEXT_LOST"};
+    const unsigned int i = error - DGBGLI_INVALID_ENUM;
+    return i < sizeof names / sizeof names[0] ? names[i] : "an unknown GL error";
+}
+
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports for ever
+   is no error of one call, and a lost context may do so. */
+static void dgbgli_drain_errors(const dgbgl_backend* b, const char* where) {
+    unsigned int error = 0;
+    int i;
+    for (i = 0; i < 16 && error != DGBGLI_CONTEXT_LOST && (error = b->gl.GetError()) != 0; ++i)
+        dgbgli_message(b, where, dgbgli_error_name(error));
+}
+
+/* What the library's own calls came to since the last look. */
+static dgb_result dgbgli_check(const dgbgl_backend* b) {
+    const unsigned int error = b->gl.GetError();
+    return !error ? DGB_OK : error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
+}
+
+static void dgbgli_note_errors(dgbgl_backend* b) {
+    if (b->drawing == DGB_OK) b->drawing = dgbgli_check(b);
+}
+
+/* Where the driver gave no name: its error, and if it has none, that it gave none. */
+static dgb_result dgbgli_no_object(const dgbgl_backend* b) {
+    const dgb_result result = dgbgli_check(b);
+    return result == DGB_OK ? DGB_DEVICE : result;
+}
+
+#define DGBGLI_PENDING "pending before the call"
+
 /* >> state: what a pass may change is saved at begin and put back at end */
 
-/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. */
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and scissor
+   are kept for each buffer and viewport. */
 static const struct {
     unsigned int name;
     int since;    /* desktop version */
@@ -3122,11 +3393,8 @@ static const struct {
                                         {DGBGLI_CLIP_DISTANCE0 + 4, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 5, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 6, 330, 0},
-                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0},
-                                        {DGBGLI_BLEND, 0, 300},
-                                        {DGBGLI_SCISSOR_TEST, 0, 300}};
+                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0}};
 
-/* Blend and scissor appear in the table for ES only: on the desktop they are kept for each buffer and viewport. */
 static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
     const int since = b->es ? dgbgli_toggles[i].since_es : dgbgli_toggles[i].since;
     return since != 0 && b->version >= since;
@@ -3320,18 +3588,22 @@ static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s
 
 static void dgbgli_begin(void* user) {
     dgbgl_backend* b = (dgbgl_backend*)user;
+    b->drawing = DGB_OK;
     if (!b->desc.keep_state) {
+        dgbgli_drain_errors(b, DGBGLI_PENDING);
         dgbgli_save_raster(b, &b->state);
         dgbgli_save_bindings(b, &b->state);
     }
     dgbgli_set_defaults(b);
 }
 
-static void dgbgli_end(void* user) {
+static dgb_result dgbgli_end(void* user) {
     dgbgl_backend* b = (dgbgl_backend*)user;
-    if (b->desc.keep_state) return;
+    if (b->desc.keep_state) return DGB_OK;
+    dgbgli_note_errors(b);
     dgbgli_restore_raster(b, &b->state);
     dgbgli_restore_bindings(b, &b->state);
+    return b->drawing;
 }
 
 /* >> textures: the handle holds the GL name, above it whether it is an array (bit 32) and its format (from bit 40) */
@@ -3369,7 +3641,11 @@ static void dgbgli_allocate(const dgbgl_backend* b, const dgb_texture_desc* d, u
                 b->gl.TexImage2D(target, level, (int)internal, w, h, 0, format, type, NULL);
         }
     }
-    if (d->pixels) b->gl.TexSubImage2D(target, 0, 0, 0, d->width, d->height, format, type, d->pixels);
+}
+
+static void dgbgli_upload(const dgbgl_backend* b, const dgb_texture_desc* d, unsigned int target) {
+    b->gl.TexSubImage2D(target, 0, 0, 0, d->width, d->height, dgbgli_formats[d->format].format,
+                        dgbgli_formats[d->format].type, d->pixels);
 }
 
 static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int name, const char* what) {
@@ -3380,19 +3656,14 @@ static void dgbgli_label(const dgbgl_backend* b, unsigned int kind, unsigned int
     if (b->gl.ObjectLabel) b->gl.ObjectLabel(kind, name, -1, label);
 }
 
-/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded, since a lost context may
-   report for ever. */
-static void dgbgli_drain_errors(const dgbgl_backend* b) {
-    int i;
-    for (i = 0; i < 16 && b->gl.GetError(); ++i) {}
-}
-
 static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, dgb_texture* texture) {
     dgbgl_backend* b = (dgbgl_backend*)user;
     const unsigned int target = d->layers ? DGBGLI_TEXTURE_2D_ARRAY : DGBGLI_TEXTURE_2D;
-    unsigned int name = 0, error;
-    dgbgli_drain_errors(b);
+    unsigned int name = 0;
+    dgb_result result;
+    dgbgli_drain_errors(b, DGBGLI_PENDING);
     b->gl.GenTextures(1, &name);
+    if (!name) return dgbgli_no_object(b);
     b->gl.ActiveTexture(DGBGLI_TEXTURE0);
     b->gl.BindTexture(target, name);
     dgbgli_allocate(b, d, target);
@@ -3401,10 +3672,14 @@ static dgb_result dgbgli_texture_create(void* user, const dgb_texture_desc* d, d
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
     b->gl.TexParameteri(target, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
-    error = b->gl.GetError();
-    if (error || !name) {
+    result = dgbgli_check(b);
+    if (result == DGB_OK && d->pixels) {
+        dgbgli_upload(b, d, target);
+        result = dgbgli_check(b);
+    }
+    if (result != DGB_OK) {
         b->gl.DeleteTextures(1, &name);
-        return error == DGBGLI_OUT_OF_MEMORY ? DGB_OUT_OF_MEMORY : DGB_DEVICE;
+        return result;
     }
     dgbgli_label(b, DGBGLI_TEXTURE, name, dgb_slot_name(d->slot));
     texture->id = (uint64_t)name | (uint64_t)(d->layers > 0) << 32 | (uint64_t)d->format << 40;
@@ -3479,6 +3754,7 @@ static void dgbgli_pass_chunks(const dgb_program_desc* d, dgbgl_stage stage, dgb
     }
     dgbgli_add_chunks(c, dgbgli_glsl_common);
     if (pass == DGB_PASS_AO || pass == DGB_PASS_GATHER) dgbgli_add_chunks(c, dgbgli_glsl_taps);
+    if (bitmask || pass == DGB_PASS_REFLECT) dgbgli_add_chunks(c, dgbgli_glsl_thickness);
     if (bitmask) dgbgli_add_chunks(c, dgbgli_glsl_sectors);
     if (pass == DGB_PASS_TILES || pass == DGB_PASS_RANGE) dgbgli_add_chunks(c, dgbgli_glsl_depths);
     if (pass == DGB_PASS_PACK || pass == DGB_PASS_TEMPORAL || pass == DGB_PASS_REFLECT || pass == DGB_PASS_GLOSSY)
@@ -3499,6 +3775,7 @@ static void dgbgli_pass_chunks(const dgb_program_desc* d, dgbgl_stage stage, dgb
     case DGB_PASS_REFLECT: dgbgli_add_chunks(c, dgbgli_glsl_reflect); break;
     case DGB_PASS_GLOSSY: dgbgli_add_chunks(c, dgbgli_glsl_glossy); break;
     case DGB_PASS_LAYERS: /* the engine's own */
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT:
     case DGB_PASS_COUNT: break;
     }
@@ -3530,6 +3807,10 @@ static unsigned int dgbgli_compile(const dgbgl_backend* b, const char* what, dgb
         b->gl.CreateShader(stage == DGBGL_VERTEX ? DGBGLI_VERTEX_SHADER : DGBGLI_FRAGMENT_SHADER);
     char log[2048];
     int ok = 0;
+    if (!shader) {
+        dgbgli_message(b, what, "the driver gives no shader");
+        return 0;
+    }
     b->gl.ShaderSource(shader, c->count, c->pieces, NULL);
     b->gl.CompileShader(shader);
     b->gl.GetShaderiv(shader, DGBGLI_COMPILE_STATUS, &ok);
@@ -3545,6 +3826,10 @@ static unsigned int dgbgli_link(const dgbgl_backend* b, const char* what, unsign
     const unsigned int program = b->gl.CreateProgram();
     char log[2048];
     int ok = 0;
+    if (!program) {
+        dgbgli_message(b, what, "the driver gives no program");
+        return 0;
+    }
     b->gl.AttachShader(program, vertex);
     b->gl.AttachShader(program, fragment);
     b->gl.LinkProgram(program);
@@ -3585,6 +3870,7 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_REFLECTION_RAW:
     case DGB_RADIANCE:
     case DGB_AO_RAW:
+    case DGB_HALF_BENT:
     case DGB_ENGINE_RADIANCE0: return 2;
     case DGB_B1:
     case DGB_REFLECTION_HIT:
@@ -3595,6 +3881,7 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_NORMAL1: return 4;
     case DGB_NORMAL: /* with roughness */
     case DGB_ENGINE_ROUGHNESS:
+    case DGB_BENT_RAW:
     case DGB_ENGINE_RADIANCE1: return 5;
     case DGB_LAST_Z: return 6;
     case DGB_LAST_IRRADIANCE:
@@ -3607,9 +3894,12 @@ static int dgbgli_unit(const dgbgl_backend* b, dgb_slot slot) {
     case DGB_ENGINE_VELOCITY0: return 9;
     case DGB_ENGINE_VELOCITY1: return 10;
     case DGB_ALBEDO:
+    case DGB_LAST_BENT:
     case DGB_ENGINE_ALBEDO0: return 11;
     case DGB_ENGINE_ALBEDO1: return 12;
     case DGB_LAST_FRAMES:
+    case DGB_BACK:
+    case DGB_ENGINE_BACK:
     case DGB_TILES: return 13;
     default: return b->desc.oracle_unit; /* key and oracle: beside passes of the engine's, whose units the others are */
     }
@@ -3722,21 +4012,30 @@ static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
 }
 
-static void dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
+/* False, and a message, when it is of no use; it is then gone again. */
+static bool dgbgli_make_framebuffer(dgbgl_backend* b, int i, const dgb_pass* pass) {
     int c;
     b->gl.GenFramebuffers(1, &b->framebuffers[i].name);
+    if (!b->framebuffers[i].name) { /* 0 would be the engine's own */
+        dgbgli_message(b, dgb_pass_name(pass->id), "the driver gives no framebuffer");
+        return false;
+    }
     b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
     for (c = 0; c < pass->color_count; ++c)
         dgbgli_attach(b, (unsigned)(DGBGLI_COLOR_ATTACHMENT0 + c), &pass->colors[c]);
     if (pass->depth.texture.id) dgbgli_attach(b, DGBGLI_DEPTH_ATTACHMENT, &pass->depth);
     dgbgli_set_buffers(b, pass);
-    if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE)
+    if (b->gl.CheckFramebufferStatus(DGBGLI_FRAMEBUFFER) != DGBGLI_FRAMEBUFFER_COMPLETE) {
         dgbgli_message(b, dgb_pass_name(pass->id), "the driver cannot render to this combination of formats");
+        dgbgli_drop_framebuffer(b, i);
+        return false;
+    }
     dgbgli_label(b, DGBGLI_FRAMEBUFFER, b->framebuffers[i].name, dgb_pass_name(pass->id));
+    return true;
 }
 
 /* Framebuffers are made once for each combination of targets and found again by it. */
-static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
+static bool dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
     dgb_target targets[DGB_MAX_TARGETS + 1];
     const int count = dgbgli_gather_targets(pass, targets);
     int i;
@@ -3745,14 +4044,15 @@ static void dgbgli_bind_framebuffer(dgbgl_backend* b, const dgb_pass* pass) {
             dgbgli_same_targets(b->framebuffers[i].targets, targets, count)) {
             b->gl.BindFramebuffer(DGBGLI_FRAMEBUFFER, b->framebuffers[i].name);
             dgbgli_set_buffers(b, pass);
-            return;
+            return true;
         }
     i = b->next_framebuffer;
     b->next_framebuffer = (i + 1) % DGBGL_MAX_FRAMEBUFFERS;
     dgbgli_drop_framebuffer(b, i);
-    dgbgli_make_framebuffer(b, i, pass);
+    if (!dgbgli_make_framebuffer(b, i, pass)) return false;
     b->framebuffers[i].count = count;
     memcpy(b->framebuffers[i].targets, targets, sizeof targets);
+    return true;
 }
 
 static void dgbgli_clear(const dgbgl_backend* b, const dgb_pass* pass) {
@@ -3768,7 +4068,7 @@ static void dgbgli_bind_image(const dgbgl_backend* b, unsigned int unit, dgb_tex
 }
 
 /* Image emission: empties the deeper layers and their keys, and binds all of them as images. */
-static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
+static bool dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     unsigned int clear_key[4] = {0, 0, 0, 0};
     dgb_pass deep = *pass, key;
     int i, layer;
@@ -3780,10 +4080,10 @@ static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     for (layer = 1; layer <= pass->key_layers; ++layer) {
         for (i = 0; i < deep.color_count; ++i) deep.colors[i].layer = layer;
         deep.depth.layer = layer;
-        dgbgli_bind_framebuffer(b, &deep);
+        if (!dgbgli_bind_framebuffer(b, &deep)) return false;
         dgbgli_clear(b, &deep);
         key.colors[0].layer = layer - 1;
-        dgbgli_bind_framebuffer(b, &key);
+        if (!dgbgli_bind_framebuffer(b, &key)) return false;
         b->gl.ClearBufferuiv(DGBGLI_COLOR, 0, clear_key);
     }
     dgbgli_bind_image(b, 0, pass->key);
@@ -3791,6 +4091,7 @@ static void dgbgli_begin_images(dgbgl_backend* b, const dgb_pass* pass) {
     for (; i < DGB_MAX_TARGETS; ++i) /* what the material stores where nothing is kept goes nowhere */
         b->gl.BindImageTexture((unsigned)(1 + i), 0, 0, DGBGLI_FALSE, 0, DGBGLI_READ_WRITE, DGBGLI_RGBA8);
     b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
+    return true;
 }
 
 static void dgbgli_viewports(const dgbgl_backend* b, const dgb_pass* pass) {
@@ -3816,25 +4117,27 @@ static void dgbgli_begin_layers(const dgbgl_backend* b, const dgb_pass* pass) {
 }
 
 static bool dgbgli_is_fullscreen(const dgb_pass* pass) {
-    return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT;
+    return pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_BACK && pass->id != DGB_PASS_PREDICT;
 }
 
-static void dgbgli_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result dgbgli_pass_begin(void* user, const dgb_pass* pass) {
     dgbgl_backend* b = (dgbgl_backend*)user;
     b->pass = *pass;
     if (!dgbgli_is_fullscreen(pass)) dgbgli_set_defaults(b); /* another layer's callback may have changed anything */
-    if (pass->key.id) dgbgli_begin_images(b, pass);
-    dgbgli_bind_framebuffer(b, pass);
+    if (pass->key.id && !dgbgli_begin_images(b, pass)) return DGB_DEVICE;
+    if (!dgbgli_bind_framebuffer(b, pass)) return DGB_DEVICE;
     dgbgli_viewports(b, pass);
     if (pass->clear) dgbgli_clear(b, pass);
     if (!dgbgli_is_fullscreen(pass)) {
         dgbgli_begin_layers(b, pass);
-        return;
+        return DGB_OK;
     }
     b->gl.BindVertexArray(b->vertex_array);
-    if (!pass->depth.texture.id) return;
-    b->gl.Enable(DGBGLI_DEPTH_TEST); /* warp, resolve: depth is written only with the test on */
-    b->gl.DepthFunc(DGBGLI_ALWAYS);
+    if (pass->depth.texture.id) {
+        b->gl.Enable(DGBGLI_DEPTH_TEST); /* warp, resolve: depth is written only with the test on */
+        b->gl.DepthFunc(DGBGLI_ALWAYS);
+    }
+    return DGB_OK;
 }
 
 static void dgbgli_level_range(const dgbgl_backend* b, dgb_texture texture, int base, int max) {
@@ -3859,6 +4162,8 @@ static void dgbgli_uniforms_upload(void* user, const void* std140, size_t size) 
     b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
     b->gl.BufferData(DGBGLI_UNIFORM_BUFFER, (ptrdiff_t)size, std140, DGBGLI_STREAM_DRAW);
     b->gl.BindBufferBase(DGBGLI_UNIFORM_BUFFER, (unsigned)b->desc.uniform_binding, b->uniform_buffer);
+    if (!b->desc.keep_state && !dgbgli_is_fullscreen(&b->pass))
+        dgbgli_note_errors(b); /* the engine's callback follows */
 }
 
 static void dgbgli_draw_fullscreen(void* user, dgb_program program) {
@@ -3875,6 +4180,9 @@ static void dgbgli_pass_end(void* user) {
         dgbgli_level_range(b, b->narrowed[i], 0, DGB_MAX_LEVELS - 1);
     }
     b->narrowed_count = 0;
+    if (b->pass.id == DGB_PASS_RESOLVE) /* the key holds integers, and this is the unit of the engine's float sampler */
+        b->gl.BindTexture(DGBGLI_TEXTURE_2D_ARRAY, 0);
+    if (!b->desc.keep_state && !dgbgli_is_fullscreen(&b->pass)) dgbgli_drain_errors(b, "left by the draw callback");
     if (b->pass.key.id) b->gl.MemoryBarrier((unsigned)DGBGLI_ALL_BARRIER_BITS);
     if (b->pass.depth.texture.id) dgbgli_set_defaults(b); /* whatever the engine's callback left */
 }
@@ -4022,7 +4330,8 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
     dgbgl_backend* b;
     dgbgli_view_uniforms uniforms;
     const char* fault;
-    bool scissor, drawn;
+    dgb_result result = DGB_DEVICE, ended;
+    bool scissor;
     int width, height;
     if (!context || !view || context->backend.texture_create != dgbgli_texture_create) return DGB_INVALID;
     b = (dgbgl_backend*)context->backend.user;
@@ -4037,8 +4346,7 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
     scissor = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST) != 0;
     if (b->gl.PushDebugGroup) b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, 0, -1, "view");
     dgbgli_begin(b);
-    drawn = dgbgli_make_view_program(b);
-    if (drawn) {
+    if (dgbgli_make_view_program(b)) {
         dgb_program program;
         program.id = b->view_program;
         dgbgli_enable(b, DGBGLI_SCISSOR_TEST, scissor);
@@ -4047,13 +4355,16 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
         b->gl.Viewport(view->x, view->y, width, height);
         b->gl.BindVertexArray(b->vertex_array);
         dgbgli_draw_fullscreen(b, program);
+        result = DGB_OK;
     }
-    dgbgli_end(b);
+    ended = dgbgli_end(b);
     if (b->gl.PopDebugGroup) b->gl.PopDebugGroup();
-    return drawn ? DGB_OK : DGB_DEVICE;
+    return result == DGB_OK ? ended : result;
 }
 
 /* >> init, shutdown */
+
+#define DGBGLI_MISSING "missing entry point"
 
 static bool dgbgli_load(dgbgl_backend* b) {
     const char* missing = NULL;
@@ -4065,12 +4376,12 @@ static bool dgbgli_load(dgbgl_backend* b) {
     if (!address) missing = "gl" #name;
     DGBGL_FUNCTIONS(DGBGLI_LOAD)
     if (missing) {
-        dgbgli_message(b, "missing entry point", missing);
+        dgbgli_message(b, DGBGLI_MISSING, missing);
         return false;
     }
     DGBGL_OPTIONAL_FUNCTIONS(DGBGLI_LOAD)
 #undef DGBGLI_LOAD
-    return b->gl.DepthRangef || b->gl.DepthRange;
+    return true;
 }
 
 static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
@@ -4083,34 +4394,62 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     return false;
 }
 
-/* Entry points of what the context does not claim may still have an address: forget them. */
-static void dgbgli_forget_unclaimed(dgbgl_backend* b) {
-    const bool desktop = !b->es;
-    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_clip_control")))) b->gl.ClipControl = NULL;
-    if (!(desktop && (b->version >= 450 || dgbgli_has_extension(b, "GL_ARB_texture_barrier"))))
-        b->gl.TextureBarrier = NULL;
-    if (!desktop) b->gl.PolygonMode = NULL;
-    if (!(b->es || b->version >= 420 || dgbgli_has_extension(b, "GL_ARB_texture_storage"))) {
-        b->gl.TexStorage2D = NULL;
-        b->gl.TexStorage3D = NULL;
-    }
-    if (!(b->es ? b->version >= 320 : b->version >= 430 || dgbgli_has_extension(b, "GL_KHR_debug"))) {
-        b->gl.ObjectLabel = NULL;
-        b->gl.PushDebugGroup = NULL;
-        b->gl.PopDebugGroup = NULL;
-    }
-    if (!desktop || b->desc.no_timers) b->gl.QueryCounter = NULL;
-    if (!(b->es ? b->version >= 320 : true)) b->gl.FramebufferTexture = NULL;
-    if (!(desktop && b->version >= 410)) b->gl.DepthRangef = desktop ? NULL : b->gl.DepthRangef;
-    b->indexed_buffers =
-        desktop && b->gl.IsEnabledi && b->gl.Enablei && b->gl.Disablei && b->gl.GetBooleani_v && b->gl.ColorMaski;
-    b->indexed_viewports = desktop && (b->version >= 410 || dgbgli_has_extension(b, "GL_ARB_viewport_array")) &&
-                           b->gl.GetFloati_v && b->gl.GetDoublei_v && b->gl.ViewportIndexedf && b->gl.DepthRangeIndexed;
-    if (desktop && (b->version >= 410 || !b->gl.TexStorage2D) &&
-        dgbgli_has_extension(b, "GL_ARB_shader_viewport_layer_array"))
-        b->layer_extension = "GL_ARB_shader_viewport_layer_array";
-    else if (desktop && dgbgli_has_extension(b, "GL_AMD_vertex_shader_layer"))
-        b->layer_extension = "GL_AMD_vertex_shader_layer";
+/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers them,
+   or by which extension of OpenGL. */
+#define DGBGLI_OFFERS(X)                                  \
+    X(IsEnabledi, 330, 320, NULL)                         \
+    X(Enablei, 330, 320, NULL)                            \
+    X(Disablei, 330, 320, NULL)                           \
+    X(GetBooleani_v, 330, 320, NULL)                      \
+    X(ColorMaski, 330, 320, NULL)                         \
+    X(PolygonMode, 330, 0, NULL)                          \
+    X(DepthRangef, 0, 300, NULL)                          \
+    X(DepthRange, 330, 0, NULL)                           \
+    X(GetFloati_v, 410, 0, "GL_ARB_viewport_array")       \
+    X(GetDoublei_v, 410, 0, "GL_ARB_viewport_array")      \
+    X(ViewportIndexedf, 410, 0, "GL_ARB_viewport_array")  \
+    X(DepthRangeIndexed, 410, 0, "GL_ARB_viewport_array") \
+    X(ClipControl, 450, 0, "GL_ARB_clip_control")         \
+    X(TextureBarrier, 450, 0, "GL_ARB_texture_barrier")   \
+    X(MemoryBarrier, 430, 0, NULL)                        \
+    X(BindImageTexture, 430, 0, NULL)                     \
+    X(FramebufferTexture, 330, 320, NULL)                 \
+    X(TexStorage2D, 420, 300, "GL_ARB_texture_storage")   \
+    X(TexStorage3D, 420, 300, "GL_ARB_texture_storage")   \
+    X(ObjectLabel, 430, 320, "GL_KHR_debug")              \
+    X(PushDebugGroup, 430, 320, "GL_KHR_debug")           \
+    X(PopDebugGroup, 430, 320, "GL_KHR_debug")            \
+    X(QueryCounter, 330, 0, NULL)                         \
+    X(GetQueryObjectiv, 330, 0, NULL)                     \
+    X(GetQueryObjectui64v, 330, 0, NULL)
+
+static bool dgbgli_offers(const dgbgl_backend* b, int since, int since_es, const char* extension) {
+    if (b->es) return since_es != 0 && b->version >= since_es;
+    return (since != 0 && b->version >= since) || (extension && dgbgli_has_extension(b, extension));
+}
+
+/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer must have
+   one. */
+static bool dgbgli_settle_optional(dgbgl_backend* b) {
+    const char* missing = NULL;
+#define DGBGLI_SETTLE(name, since, since_es, extension) \
+    if (!dgbgli_offers(b, since, since_es, extension))  \
+        b->gl.name = NULL;                              \
+    else if (!b->gl.name)                               \
+        missing = "gl" #name;
+    DGBGLI_OFFERS(DGBGLI_SETTLE)
+#undef DGBGLI_SETTLE
+    if (missing) dgbgli_message(b, DGBGLI_MISSING, missing);
+    return !missing;
+}
+
+/* What lets a vertex shader write gl_Layer, or null. GLSL takes the first from version 410 on. */
+static const char* dgbgli_layer_extension(const dgbgl_backend* b) {
+    static const char* const extensions[] = {"GL_ARB_shader_viewport_layer_array", "GL_AMD_vertex_shader_layer"};
+    int i;
+    for (i = b->version >= 410 ? 0 : 1; !b->es && i < 2; ++i)
+        if (dgbgli_has_extension(b, extensions[i])) return extensions[i];
+    return NULL;
 }
 
 /* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
@@ -4123,7 +4462,10 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     dgb_caps* caps = &b->backend.caps;
     const bool single_pass = !b->es && !b->desc.no_single_pass && b->gl.FramebufferTexture;
     const bool geometry = single_pass && dgbgli_get(b, DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES) >= 3 * DGB_MAX_LAYERS;
-    b->images = !b->es && b->version >= 430 && b->gl.MemoryBarrier && b->gl.BindImageTexture && b->gl.ClearBufferuiv;
+    b->indexed_buffers = b->gl.ColorMaski != NULL;
+    b->indexed_viewports = b->gl.ViewportIndexedf != NULL;
+    b->images = b->gl.BindImageTexture != NULL;
+    b->layer_extension = dgbgli_layer_extension(b);
     b->interlock = b->images && b->version >= 450 && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
     caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
     caps->max_layers = dgbgli_get(b, DGBGLI_MAX_ARRAY_TEXTURE_LAYERS);
@@ -4159,34 +4501,45 @@ static void dgbgli_fill_backend(dgbgl_backend* b) {
     d->marker = dgbgli_marker;
 }
 
-static void dgbgli_create_sampler(dgbgl_backend* b) {
-    b->gl.GenSamplers(1, &b->sampler);
+/* Binding makes objects of names, and only objects can have labels. */
+static void dgbgli_set_up_objects(const dgbgl_backend* b) {
+    b->gl.BindVertexArray(b->vertex_array);
+    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
+    b->gl.BindSampler(0, b->sampler);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MIN_FILTER, DGBGLI_NEAREST);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_MAG_FILTER, DGBGLI_NEAREST);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_S, DGBGLI_CLAMP_TO_EDGE);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_WRAP_T, DGBGLI_CLAMP_TO_EDGE);
     b->gl.SamplerParameteri(b->sampler, DGBGLI_TEXTURE_COMPARE_MODE, 0);
-}
-
-static void dgbgli_create_objects(dgbgl_backend* b) {
-    int pass;
-    dgbgli_begin(b);
-    dgbgli_create_sampler(b);
-    b->gl.GenVertexArrays(1, &b->vertex_array);
-    b->gl.BindVertexArray(b->vertex_array);
-    b->gl.GenBuffers(1, &b->uniform_buffer);
-    b->gl.BindBuffer(DGBGLI_UNIFORM_BUFFER, b->uniform_buffer);
-    b->gl.BindSampler(0, b->sampler);
     dgbgli_label(b, DGBGLI_VERTEX_ARRAY, b->vertex_array, "fullscreen");
     dgbgli_label(b, DGBGLI_BUFFER, b->uniform_buffer, "uniforms");
     dgbgli_label(b, DGBGLI_SAMPLER, b->sampler, "nearest");
+}
+
+static dgb_result dgbgli_create_objects(dgbgl_backend* b) {
+    dgb_result result;
+    int pass;
+    dgbgli_begin(b);
+    dgbgli_drain_errors(b, DGBGLI_PENDING);
+    b->gl.GenSamplers(1, &b->sampler);
+    b->gl.GenVertexArrays(1, &b->vertex_array);
+    b->gl.GenBuffers(1, &b->uniform_buffer);
     for (pass = 0; pass < DGB_PASS_COUNT; ++pass) {
         b->timers[pass].milliseconds = -1.0;
         if (b->gl.QueryCounter) b->gl.GenQueries(4, b->timers[pass].queries[0]);
     }
-    dgbgli_end(b);
+    result = b->sampler && b->vertex_array && b->uniform_buffer ? dgbgli_check(b) : dgbgli_no_object(b);
+    if (result == DGB_OK) dgbgli_set_up_objects(b);
+    (void)dgbgli_end(b);
+    return result;
 }
 
+static bool dgbgli_is_too_old(const dgbgl_backend* b) {
+    return b->version < (b->es ? 300 : 330) ||
+           (b->es && b->version < 320 && !dgbgli_has_extension(b, "GL_EXT_color_buffer_float"));
+}
+
+/* Tells what the context is, and what it should be. */
 static void dgbgli_refuse_version(const dgbgl_backend* b) {
     char sentence[160];
     dgbgli_text t = dgbgli_text_on(sentence, sizeof sentence);
@@ -4197,36 +4550,56 @@ static void dgbgli_refuse_version(const dgbgl_backend* b) {
     dgbgli_put_int(&t, b->version / 10 % 10);
     dgbgli_put(
         &t, "; needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float: ask for it when creating the context");
-    dgbgli_message(b, "unsupported context", sentence);
+    dgbgli_message(b, "dgbgl_init", sentence);
+}
+
+/* What of the desc is of no use in this context, or null. */
+static const char* dgbgli_fault(const dgbgl_backend* b) {
+    if (b->desc.oracle_unit < 0 || b->desc.oracle_unit >= dgbgli_get(b, DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS))
+        return "oracle_unit is no texture unit of this context";
+    if (b->desc.uniform_binding < 0 || b->desc.uniform_binding >= dgbgli_get(b, DGBGLI_MAX_UNIFORM_BUFFER_BINDINGS))
+        return "uniform_binding is no uniform buffer binding of this context";
+    return NULL;
+}
+
+/* The stages of dgbgl_init that can fail, but for loading. */
+static dgb_result dgbgli_start(dgbgl_backend* b) {
+    const char* version = (const char*)b->gl.GetString(DGBGLI_VERSION);
+    const char* fault;
+    dgb_result result;
+    b->es = version && strncmp(version, "OpenGL ES", 9) == 0;
+    b->version = dgbgli_get(b, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(b, DGBGLI_MINOR_VERSION) * 10;
+    if (dgbgli_is_too_old(b)) {
+        dgbgli_refuse_version(b);
+        return DGB_UNSUPPORTED;
+    }
+    fault = dgbgli_fault(b);
+    if (fault) {
+        dgbgli_message(b, "dgbgl_init", fault);
+        return DGB_INVALID;
+    }
+    if (!dgbgli_settle_optional(b)) return DGB_DEVICE;
+    if (b->desc.no_timers) b->gl.QueryCounter = NULL;
+    dgbgli_read_caps(b);
+    dgbgli_fill_backend(b);
+    result = dgbgli_create_objects(b);
+    if (result != DGB_OK) dgbgli_message(b, "dgbgl_init", "the driver gives no sampler, vertex array or buffer");
+    return result;
 }
 
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc) {
+    dgb_result result;
     if (!gl) return DGB_INVALID;
     memset(gl, 0, sizeof *gl);
     if (!desc || !desc->get_proc) return DGB_INVALID;
     gl->desc = *desc;
     if (!gl->desc.oracle_unit) gl->desc.oracle_unit = 15;
     if (!gl->desc.uniform_binding) gl->desc.uniform_binding = 23;
-    if (!dgbgli_load(gl)) {
-        memset(gl, 0, sizeof *gl);
-        return DGB_DEVICE;
-    }
-    {
-        const char* version = (const char*)gl->gl.GetString(DGBGLI_VERSION);
-        gl->es = version && strncmp(version, "OpenGL ES", 9) == 0;
-        gl->version = dgbgli_get(gl, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(gl, DGBGLI_MINOR_VERSION) * 10;
-    }
-    if (gl->version < (gl->es ? 300 : 330) ||
-        (gl->es && gl->version < 320 && !dgbgli_has_extension(gl, "GL_EXT_color_buffer_float"))) {
-        dgbgli_refuse_version(gl);
-        memset(gl, 0, sizeof *gl);
-        return DGB_UNSUPPORTED;
-    }
-    dgbgli_forget_unclaimed(gl);
-    dgbgli_read_caps(gl);
-    dgbgli_fill_backend(gl);
-    dgbgli_create_objects(gl);
-    return DGB_OK;
+    result = dgbgli_load(gl) ? dgbgli_start(gl) : DGB_DEVICE;
+    if (result == DGB_OK) return DGB_OK;
+    dgbgl_shutdown(gl);
+    memset(gl, 0, sizeof *gl);
+    return result;
 }
 
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl) {
@@ -4375,6 +4748,7 @@ static void dgbgli_put_head(dgbgli_text* t, const dgb_context* context, const dg
     dgbgli_put_extensions(t, emission, b, stage);
     dgbgli_put_precision(t, b->es);
     dgbgli_put_define(t, "DGB_LAYERS", context->plan.layers);
+    dgbgli_put_define(t, "DGB_KEEP_TEST", context->plan.layers > 1 || dgb_get_texture(context, DGB_BACK).id != 0);
     dgbgli_put_define(t, "DGB_DIVISOR", context->desc.divisor);
     dgbgli_put_define(t, "DGB_REVERSED", context->desc.reversed);
     dgbgli_put_define(t, "DGB_DEPTH_CODES", dgbgli_depth_codes(context->desc.depth_format));
@@ -4570,7 +4944,7 @@ DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* c
     if (!gl || !gl->backend.user || !calibration || !calibration->view || !calibration->params ||
         !calibration->prepare || !calibration->draw || !desc)
         return DGB_INVALID;
-    if (gl->es || !gl->gl.GetInteger64v) return DGB_UNSUPPORTED;
+    if (gl->es) return DGB_UNSUPPORTED;
     candidate = *desc;
     candidate.effects = 0; /* the layers alone */
     candidate.backend = &gl->backend;

@@ -35,6 +35,7 @@ inline const DumpKind kDumpKinds[] = {
     {"radiance1", 2, 0},
     {"ao", 1, DGB_EFFECT_AO},
     {"ao_raw", 1, DGB_EFFECT_AO},
+    {"bent", 1, DGB_EFFECT_BENT},
     {"irradiance0", 1, DGB_EFFECT_RADIOSITY},
     {"irradiance0_raw", 1, DGB_EFFECT_RADIOSITY},
     {"irradiance1", 2, DGB_EFFECT_RADIOSITY},
@@ -72,6 +73,7 @@ struct Options {
     dgb_emission emission = DGB_EMISSION_AUTO;
     dgb_tracer tracer = DGB_TRACER_LINEAR;
     dgb_estimator estimator = DGB_ESTIMATOR_PAPER;
+    dgb_thickness thickness = DGB_THICKNESS_LAYERS;
     uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL;
     dgb_params params = dgb_preset(DGB_PRESET_BALANCED);
 
@@ -118,6 +120,7 @@ inline dgb_desc layers_desc(const Options& options) {
     desc.emission = options.emission;
     desc.tracer = options.tracer;
     desc.estimator = options.estimator;
+    desc.thickness = options.thickness;
     desc.reversed = options.clip != ClipRange::standard;
     desc.clip = desc.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
     return desc;
@@ -221,9 +224,10 @@ inline void parse_effects(const std::string& text, Options* options) {
     options->effects = 0;
     if (text == "none") { return; }
     for (const std::string& word : split(text, ',')) {
-        require(word == "ao" || word == "gi" || word == "reflect" || word == "glossy", "--effects",
-                "must be none or a comma list of ao, gi, reflect and glossy");
+        require(word == "ao" || word == "gi" || word == "reflect" || word == "glossy" || word == "bent", "--effects",
+                "must be none or a comma list of ao, bent, gi, reflect and glossy");
         options->effects |= word == "ao"        ? DGB_EFFECT_AO
+                            : word == "bent"    ? DGB_EFFECT_AO | DGB_EFFECT_BENT
                             : word == "gi"      ? DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES
                             : word == "reflect" ? DGB_EFFECT_REFLECT
                                                 : DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
@@ -415,7 +419,9 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
 inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
-        "none, or a comma list of ao, gi, reflect (mirrors) and glossy (reflections by roughness) (default ao,gi)");
+        "none, or a comma list of ao, bent (where it opens to; with --estimator bitmask), gi, reflect (mirrors) and "
+        "glossy "
+        "(reflections by roughness) (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -441,6 +447,13 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--boost", [=](const std::string& pair) { overrides->boost = parse_boost(pair); },
         "u,s: factors of bounced light for grey and for saturated surfaces (default 1,1)");
+    add_choice<dgb_thickness>(
+        app, "--thickness-from",
+        {{"constant", DGB_THICKNESS_CONSTANT}, {"layers", DGB_THICKNESS_LAYERS}, {"back", DGB_THICKNESS_BACK_FACES}},
+        [=](dgb_thickness thickness) { o->thickness = thickness; },
+        "what ends surfaces that are thinner than --thickness and --reflect-thickness: constant (nothing), layers "
+        "(default: "
+        "the second layer), back (that and back faces, drawn once more)");
     app->add_option("--reflect-steps", overrides->reflect_steps, "most steps of a mirrored ray (default 256)")
         ->check(between(1, 4096, "1 to 4096"));
     app->add_option("--reflect-distance", overrides->reflect_distance, "longest mirrored ray, m (default 30)")
@@ -505,6 +518,8 @@ inline void add_picture(CLI::App* app, Options* o) {
 inline void check_together(const Options& options) {
     require(options.bounces.value_or(1) <= options.frames, "--bounces",
             "needs as many --frames: light bounces once a frame");
+    require(!(options.effects & DGB_EFFECT_BENT) || options.estimator == DGB_ESTIMATOR_BITMASK, "--effects",
+            "bent needs --estimator bitmask");
     const bool gathers = (options.effects & DGB_EFFECT_RADIOSITY) != 0;
     require(options.compared_bounces.empty() || (gathers && !options.out.empty()), "--compare-bounces",
             "needs --out and --effects gi");
@@ -515,6 +530,7 @@ inline void check_together(const Options& options) {
         require((options.effects & kind.effects) == kind.effects, "--dump",
                 dump.name + " needs --effects " +
                     (kind.effects == DGB_EFFECT_AO          ? "ao"
+                     : kind.effects == DGB_EFFECT_BENT      ? "bent"
                      : kind.effects == DGB_EFFECT_RADIOSITY ? "gi"
                      : kind.effects == DGB_EFFECT_GLOSSY    ? "glossy"
                                                             : "reflect"));

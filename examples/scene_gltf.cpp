@@ -21,13 +21,19 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<unsigned char>;
 
-constexpr uintmax_t kMaxFileBytes = uintmax_t(512) << 20;
-constexpr size_t kMaxElements = size_t(1) << 24;   // vertices or indices of a scene: about 1.5 GiB of vertices
-constexpr size_t kMaxImageBytes = size_t(1) << 31; // decoded pixels of all images of a scene
-constexpr int kMaxImageSize = 16384;               // pixels, width and height
+// Limits, so that no file makes the loader take all memory or all day. Each is checked before what it limits is allocated.
+constexpr uintmax_t kMaxFileBytes = uintmax_t(512) << 20;   // of a file
+constexpr uintmax_t kMaxSceneBytes = uintmax_t(1024) << 20; // of all files of a scene
+constexpr int kMaxJsonDepth = 256;                          // tinygltf recurses once per level of "extras"
+constexpr size_t kMaxJsonValues = size_t(1) << 22;          // tinygltf takes up to 1 KiB for one
+constexpr size_t kMaxElements = size_t(1) << 24;            // vertices or indices of a scene: about 1.5 GiB of vertices
+constexpr size_t kMaxZeros = size_t(1) << 20;               // elements of an accessor for which the file holds no data
+constexpr size_t kMaxDrawn = size_t(1) << 26;               // vertices of all nodes, each as often as it is drawn
+constexpr size_t kMaxImageBytes = size_t(1) << 31;          // decoded pixels of all images of a scene
+constexpr int kMaxImageSize = 16384;                        // pixels, width and height
 constexpr int kMaxNodeDepth = 256;
 constexpr size_t kMaxJoints = 16384; // of all skins: what fits into the smallest buffer texture, 4 texels a matrix
-constexpr int kMaxJsonDepth = 256;   // tinygltf recurses once per level of "extras"
+constexpr size_t kMaxReason = 300;   // characters of an error sentence, which quotes from the file
 
 // Ends the loading: load_gltf turns it into its error sentence.
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
@@ -40,6 +46,12 @@ const T& at(const std::vector<T>& list, int index, const char* kind) {
         fail(std::string(kind) + " " + std::to_string(index) + " does not exist");
     }
     return list[size_t(index)];
+}
+
+// tinygltf has -1 for a reference that is not there.
+bool is_given(int index, const char* kind) {
+    if (index < -1) { fail(std::string(kind) + " " + std::to_string(index) + " does not exist"); }
+    return index >= 0;
 }
 
 // ---- Files --------------------------------------------------------------------------------------------
@@ -71,6 +83,7 @@ void check_uri(const std::string& uri) {
 // tinygltf must not see exceptions while it reads files, and it only warns about a missing image.
 struct SceneDirectory {
     fs::path path;
+    uintmax_t bytes;   // read so far
     std::string error; // of the first read that failed
 };
 
@@ -79,6 +92,8 @@ bool read_scene_file(Bytes* out, std::string* error, const std::string& uri, voi
     try {
         check_uri(uri);
         *out = read_file(directory->path / uri);
+        directory->bytes += out->size();
+        if (directory->bytes > kMaxSceneBytes) { fail("its files are larger than 1024 MiB together"); }
         return true;
     } catch (const std::exception& exception) {
         *error = exception.what();
@@ -126,51 +141,75 @@ void check_binary_chunk(const Bytes& file) {
     }
 }
 
-void check_json_depth(std::string_view json) {
+// Counts what opens and what separates values, and so every value but at most one.
+void check_json(std::string_view json) {
     int depth = 0;
+    size_t values = 0;
     bool in_string = false;
     for (size_t i = 0; i < json.size(); ++i) {
-        if (in_string && json[i] == '\\') {
+        const char c = json[i];
+        if (in_string && c == '\\') {
             ++i;
-        } else if (json[i] == '"') {
+        } else if (c == '"') {
             in_string = !in_string;
-        } else if (!in_string && (json[i] == '{' || json[i] == '[')) {
-            if (++depth > kMaxJsonDepth) {
+        } else if (!in_string) {
+            const bool opens = c == '{' || c == '[', closes = c == '}' || c == ']';
+            depth += int(opens) - int(closes);
+            values += size_t(opens || c == ',');
+            if (depth > kMaxJsonDepth) {
                 fail("its JSON is nested more than " + std::to_string(kMaxJsonDepth) + " levels deep");
             }
-        } else if (!in_string && (json[i] == '}' || json[i] == ']')) {
-            --depth;
+            if (values > kMaxJsonValues) {
+                fail("its JSON holds more than " + std::to_string(kMaxJsonValues) + " values");
+            }
         }
     }
 }
 
+// What was quoted from a file may hold anything.
 std::string one_line(std::string text) {
-    text.resize(text.find_last_not_of(" :.\n") + 1);
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    text.resize(std::min(text.find_last_not_of(" :.\n") + 1, kMaxReason));
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
     return text;
+}
+
+// tinygltf reports most of what is wrong, and throws the rest.
+bool parse(const Bytes& file, bool is_binary, SceneDirectory* directory, tinygltf::Model* model, std::string* error) {
+    tinygltf::TinyGLTF parser;
+    parser.SetFsCallbacks(file_callbacks(directory));
+    parser.SetImageLoader(keep_encoded_image, nullptr);
+    std::string warning;
+    const auto size = static_cast<unsigned int>(file.size());
+    try {
+        if (is_binary) { return parser.LoadBinaryFromMemory(model, error, &warning, file.data(), size); }
+        // An empty base directory makes tinygltf hand the bare URIs to read_scene_file.
+        const char* text = reinterpret_cast<const char*>(file.data());
+        return parser.LoadASCIIFromString(model, error, &warning, text, size, "");
+    } catch (const std::exception& exception) {
+        *error = exception.what();
+        return false;
+    }
 }
 
 tinygltf::Model parse_file(const fs::path& path) {
     const Bytes file = read_file(path);
     const bool is_binary = is_binary_gltf(file);
-    check_json_depth(json_text(file));
+    check_json(json_text(file));
     if (is_binary) { check_binary_chunk(file); }
 
-    SceneDirectory directory{path.parent_path(), ""};
-    tinygltf::TinyGLTF parser;
-    parser.SetFsCallbacks(file_callbacks(&directory));
-    parser.SetImageLoader(keep_encoded_image, nullptr);
-
-    // An empty base directory makes tinygltf hand the bare URIs to read_scene_file.
+    SceneDirectory directory{path.parent_path(), file.size(), ""};
     tinygltf::Model model;
-    std::string error, warning;
-    const auto size = static_cast<unsigned int>(file.size());
-    const bool parsed = is_binary ? parser.LoadBinaryFromMemory(&model, &error, &warning, file.data(), size)
-                                  : parser.LoadASCIIFromString(&model, &error, &warning,
-                                                               reinterpret_cast<const char*>(file.data()), size, "");
+    std::string error;
+    const bool parsed = parse(file, is_binary, &directory, &model, &error);
     if (!directory.error.empty()) { fail(directory.error); }
-    if (!parsed) { fail("it is not valid glTF: " + one_line(error)); }
+    if (!parsed) { fail("it is not valid glTF: " + error); }
     return model;
+}
+
+void check_version(const tinygltf::Model& model) {
+    const std::string& version = model.asset.version;
+    if (version.substr(0, 2) != "2.") { fail("it is of version \"" + version + "\", but only glTF 2 is supported"); }
 }
 
 void check_required_extensions(const tinygltf::Model& model) {
@@ -215,6 +254,9 @@ Elements view_elements(const tinygltf::Model& model, int view_index, uint64_t of
     const Span view = buffer_view_bytes(model, view_index);
     const uint64_t view_stride = model.bufferViews[size_t(view_index)].byteStride;
     const uint64_t stride = view_stride != 0 ? view_stride : element_size;
+    if (stride < element_size) {
+        fail(label("buffer view", size_t(view_index)) + " has a stride shorter than the elements of an accessor");
+    }
     const uint64_t size = count == 0 ? 0 : stride * (count - 1) + element_size;
     if (!range_fits(offset, size, view.size)) {
         fail("an accessor reaches beyond " + label("buffer view", size_t(view_index)));
@@ -267,12 +309,18 @@ Bytes packed_elements(const tinygltf::Model& model, const tinygltf::Accessor& ac
     if (accessor.count > kMaxElements) {
         fail("an accessor has more than " + std::to_string(kMaxElements) + " elements");
     }
-    Bytes packed(accessor.count * element_size);
-    if (accessor.bufferView >= 0) {
+    const bool has_data = is_given(accessor.bufferView, "buffer view");
+    if (!has_data && accessor.count > kMaxZeros) {
+        fail("an accessor without a buffer view has more than " + std::to_string(kMaxZeros) + " elements");
+    }
+    Bytes packed;
+    if (has_data) {
         const Elements source =
             view_elements(model, accessor.bufferView, accessor.byteOffset, accessor.count, element_size);
+        packed.resize(accessor.count * element_size);
         for (size_t i = 0; i < accessor.count; ++i) { std::memcpy(&packed[i * element_size], source[i], element_size); }
     }
+    packed.resize(accessor.count * element_size);
     if (!accessor.sparse.isSparse) { return packed; }
     const auto& sparse = accessor.sparse;
     if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0) {
@@ -327,6 +375,11 @@ std::vector<glm::vec4> read_vectors(const tinygltf::Model& model, int accessor_i
     return vectors;
 }
 
+bool all_finite(const glm::mat4& matrix) {
+    const float* numbers = glm::value_ptr(matrix);
+    return std::all_of(numbers, numbers + 16, [](float x) { return std::isfinite(x); });
+}
+
 // Inverse bind matrices; the fourth row is implied.
 std::vector<glm::mat4> read_matrices(const tinygltf::Model& model, int accessor_index) {
     const tinygltf::Accessor& accessor = at(model.accessors, accessor_index, "accessor");
@@ -334,14 +387,12 @@ std::vector<glm::mat4> read_matrices(const tinygltf::Model& model, int accessor_
     if (accessor.type != TINYGLTF_TYPE_MAT4 || accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
         fail(name + " holds inverse bind matrices but is not of type MAT4 and float");
     }
+    if (accessor.count > kMaxJoints) { fail(name + " has more than " + std::to_string(kMaxJoints) + " matrices"); }
     const Bytes packed = packed_elements(model, accessor, sizeof(glm::mat4));
     std::vector<glm::mat4> matrices(accessor.count);
     for (size_t i = 0; i < matrices.size(); ++i) {
         matrices[i] = load_as<glm::mat4>(&packed[i * sizeof(glm::mat4)]);
-        const float* numbers = glm::value_ptr(matrices[i]);
-        if (!std::all_of(numbers, numbers + 16, [](float x) { return std::isfinite(x); })) {
-            fail(name + " contains a value that is not finite");
-        }
+        if (!all_finite(matrices[i])) { fail(name + " contains a value that is not finite"); }
     }
     return matrices;
 }
@@ -357,11 +408,18 @@ void append_triangle(std::vector<uint32_t>* list, uint32_t a, uint32_t b, uint32
     list->insert(list->end(), {a, b, c});
 }
 
+void check_elements(size_t vertices, size_t indices) {
+    if (std::max(vertices, indices) > kMaxElements) {
+        fail("its meshes have more than " + std::to_string(kMaxElements) + " vertices or indices");
+    }
+}
+
 std::vector<uint32_t> triangle_list(std::vector<uint32_t> source, int mode) {
     if (mode == TINYGLTF_MODE_TRIANGLES) {
         source.resize(source.size() / 3 * 3);
         return source;
     }
+    check_elements(0, source.size() * 3);
     std::vector<uint32_t> list;
     for (size_t i = 2; i < source.size(); ++i) {
         if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -471,7 +529,7 @@ void read_influences(const tinygltf::Model& model, const tinygltf::Primitive& pr
 
 void read_index_list(const tinygltf::Model& model, const tinygltf::Primitive& primitive, Mesh* mesh) {
     std::vector<uint32_t> indices;
-    if (primitive.indices >= 0) {
+    if (is_given(primitive.indices, "accessor")) {
         indices = read_indices(model, primitive.indices);
     } else {
         for (size_t i = 0; i < mesh->vertices.size(); ++i) { indices.push_back(uint32_t(i)); }
@@ -506,13 +564,18 @@ Mesh read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& pri
     read_influences(model, primitive, &mesh);
     if (!has_normals) { generate_flat_normals(&mesh); }
     // Tangents belong to the normals that they came with, and only a normal map needs them.
+    const bool has_material = is_given(primitive.material, "material");
     const bool has_normal_map =
-        primitive.material >= 0 && at(model.materials, primitive.material, "material").normalTexture.index >= 0;
+        has_material && at(model.materials, primitive.material, "material").normalTexture.index >= 0;
     if (has_normal_map && (!has_tangents || !has_normals)) { generate_tangents(&mesh); }
     return mesh;
 }
 
+// Points and lines are left out.
 bool is_triangles(const tinygltf::Primitive& primitive) {
+    if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+        fail("a primitive has the mode " + std::to_string(primitive.mode) + ", which glTF does not have");
+    }
     return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
            primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
@@ -532,9 +595,7 @@ std::vector<MeshIndices> read_meshes(const tinygltf::Model& model, Scene* scene)
             mesh.material = primitive.material >= 0 ? primitive.material : int(model.materials.size());
             vertices += mesh.vertices.size();
             indices += mesh.indices.size();
-            if (std::max(vertices, indices) > kMaxElements) {
-                fail("its meshes have more than " + std::to_string(kMaxElements) + " vertices or indices");
-            }
+            check_elements(vertices, indices);
             mesh_indices[i].push_back(int(scene->meshes.size()));
             scene->meshes.push_back(std::move(mesh));
         }
@@ -545,34 +606,44 @@ std::vector<MeshIndices> read_meshes(const tinygltf::Model& model, Scene* scene)
 // ---- Images, textures, materials ----------------------------------------------------------------------
 
 Span encoded_image(const tinygltf::Model& model, const tinygltf::Image& image) {
-    if (image.bufferView >= 0) { return buffer_view_bytes(model, image.bufferView); }
+    if (is_given(image.bufferView, "buffer view")) { return buffer_view_bytes(model, image.bufferView); }
     return {image.image.data(), image.image.size()};
 }
 
-Image decode_image(Span encoded, const std::string& name) {
+// stb_image knows more formats than glTF, which nothing here asks for.
+bool is_png_or_jpeg(Span file) {
+    static const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, jpeg[] = {0xff, 0xd8, 0xff};
+    const auto begins = [&](const unsigned char* signature, size_t size) {
+        return file.size >= size && std::memcmp(file.data, signature, size) == 0;
+    };
+    return begins(png, sizeof png) || begins(jpeg, sizeof jpeg);
+}
+
+// Takes its pixels, 4 bytes each, from *budget.
+Image decode_image(Span encoded, const std::string& name, size_t* budget) {
     const auto size = int(std::min<uint64_t>(encoded.size, kMaxFileBytes));
     int width = 0, height = 0, channels = 0;
-    if (size == 0 || !stbi_info_from_memory(encoded.data, size, &width, &height, &channels)) {
+    if (!is_png_or_jpeg(encoded) || !stbi_info_from_memory(encoded.data, size, &width, &height, &channels)) {
         fail(name + " is not a PNG or JPEG image");
     }
     if (width > kMaxImageSize || height > kMaxImageSize) {
         fail(name + " is wider or higher than " + std::to_string(kMaxImageSize) + " pixels");
     }
+    const size_t bytes = size_t(width) * size_t(height) * 4;
+    if (bytes > *budget) { fail("its images decode to more than 2 GiB"); }
+    *budget -= bytes;
     stbi_uc* pixels = stbi_load_from_memory(encoded.data, size, &width, &height, &channels, STBI_rgb_alpha);
     if (pixels == nullptr) { fail(name + " cannot be decoded: " + stbi_failure_reason()); }
     Image image{width, height, {}};
-    image.rgba.assign(pixels, pixels + size_t(width) * size_t(height) * 4);
+    image.rgba.assign(pixels, pixels + bytes);
     stbi_image_free(pixels);
     return image;
 }
 
 void read_images(const tinygltf::Model& model, Scene* scene) {
-    size_t total_bytes = 0;
+    size_t budget = kMaxImageBytes;
     for (size_t i = 0; i < model.images.size(); ++i) {
-        Image image = decode_image(encoded_image(model, model.images[i]), label("image", i));
-        total_bytes += image.rgba.size();
-        if (total_bytes > kMaxImageBytes) { fail("its images decode to more than 2 GiB"); }
-        scene->images.push_back(std::move(image));
+        scene->images.push_back(decode_image(encoded_image(model, model.images[i]), label("image", i), &budget));
     }
 }
 
@@ -589,7 +660,7 @@ void read_textures(const tinygltf::Model& model, Scene* scene) {
         at(model.images, source.source, "image");
         Texture texture;
         texture.image = source.source;
-        if (source.sampler >= 0) {
+        if (is_given(source.sampler, "sampler")) {
             const tinygltf::Sampler& sampler = at(model.samplers, source.sampler, "sampler");
             texture.wrap_u = read_wrap(sampler.wrapS);
             texture.wrap_v = read_wrap(sampler.wrapT);
@@ -622,7 +693,7 @@ Vector read_vector(const std::vector<double>& values, Vector fallback) {
 // For tinygltf's TextureInfo and its relatives.
 template <typename Info>
 int read_texture_index(const tinygltf::Model& model, const Info& info) {
-    if (info.index < 0) { return -1; }
+    if (!is_given(info.index, "texture")) { return -1; }
     at(model.textures, info.index, "texture");
     if (info.texCoord != 0) {
         fail("a material uses TEXCOORD_" + std::to_string(info.texCoord) + ", but only TEXCOORD_0 is supported");
@@ -634,9 +705,14 @@ int read_texture_index(const tinygltf::Model& model, const Info& info) {
 glm::vec3 read_emissive(const tinygltf::Material& source) {
     if (source.extras.Has("radiance")) {
         const tinygltf::Value& radiance = source.extras.Get("radiance");
-        if (radiance.ArrayLen() != 3) { fail("the radiance of a material is not a list of three numbers"); }
-        return {finite(radiance.Get(0).GetNumberAsDouble()), finite(radiance.Get(1).GetNumberAsDouble()),
-                finite(radiance.Get(2).GetNumberAsDouble())};
+        glm::vec3 numbers(0.0f);
+        for (int i = 0; i < 3; ++i) {
+            if (radiance.ArrayLen() != 3 || !radiance.Get(i).IsNumber()) {
+                fail("the radiance of a material is not a list of three numbers");
+            }
+            numbers[i] = finite(radiance.Get(i).GetNumberAsDouble());
+        }
+        return numbers;
     }
     const auto factor = read_vector(source.emissiveFactor, glm::vec3(0.0f));
     const auto extension = source.extensions.find("KHR_materials_emissive_strength");
@@ -646,7 +722,9 @@ glm::vec3 read_emissive(const tinygltf::Material& source) {
 
 AlphaMode read_alpha_mode(const std::string& gltf_mode) {
     if (gltf_mode == "MASK") { return AlphaMode::mask; }
-    return gltf_mode == "BLEND" ? AlphaMode::blend : AlphaMode::opaque;
+    if (gltf_mode == "BLEND") { return AlphaMode::blend; }
+    if (gltf_mode != "OPAQUE" && !gltf_mode.empty()) { fail("a material has an unknown alpha mode"); }
+    return AlphaMode::opaque;
 }
 
 Material read_material(const tinygltf::Model& model, const tinygltf::Material& source) {
@@ -698,10 +776,12 @@ Camera read_camera(const tinygltf::Camera& source) {
     Camera camera;
     camera.orthographic = source.type == "orthographic";
     if (camera.orthographic) {
-        camera.half_height = finite(source.orthographic.ymag);
+        camera.half_height = std::abs(finite(source.orthographic.ymag));
     } else {
         camera.vertical_fov = finite(source.perspective.yfov);
     }
+    const bool sees = camera.half_height > 0.0f && camera.vertical_fov > 0.0f && camera.vertical_fov < glm::pi<float>();
+    if (!sees) { fail("a camera has a field of view that is not 0 < yfov < pi, or a ymag of 0"); }
     return camera;
 }
 
@@ -764,9 +844,10 @@ public:
         node.parent = parent;
         if (source.matrix.empty()) { node.rest = read_transform(source); }
         node.local = node.rest ? to_matrix(*node.rest) : read_matrix(source);
-        if (source.mesh >= 0) { node.meshes = at(mesh_indices_, source.mesh, "mesh"); }
-        if (source.mesh >= 0 && source.skin >= 0) { node.skin = source.skin; }
-        if (source.camera >= 0) {
+        if (is_given(source.mesh, "mesh")) { node.meshes = at(mesh_indices_, source.mesh, "mesh"); }
+        if (is_given(source.skin, "skin") && source.mesh >= 0) { node.skin = source.skin; }
+        count_vertices(node);
+        if (is_given(source.camera, "camera")) {
             scene_->cameras.push_back(read_camera(at(model_.cameras, source.camera, "camera")));
             camera_nodes_.push_back(index);
         }
@@ -775,6 +856,11 @@ public:
             scene_->lights.back().node = index;
         }
         for (int child : source.children) { add(child, index, depth + 1); }
+    }
+
+    void count_vertices(const Node& node) {
+        for (int mesh : node.meshes) { drawn_ += scene_->meshes[size_t(mesh)].vertices.size(); }
+        if (drawn_ > kMaxDrawn) { fail("its nodes draw more than " + std::to_string(kMaxDrawn) + " vertices"); }
     }
 
     void place_cameras() {
@@ -791,12 +877,16 @@ private:
     Scene* scene_;
     NodeIndices indices_;
     std::vector<int> camera_nodes_; // for each camera of the scene
+    size_t drawn_ = 0;              // vertices
 };
 
 NodeIndices read_nodes(const tinygltf::Model& model, const std::vector<MeshIndices>& mesh_indices, Scene* scene) {
     NodeReader reader(model, mesh_indices, scene);
     for (int root : at(model.scenes, std::max(model.defaultScene, 0), "scene").nodes) { reader.add(root, -1, 1); }
     update_world_matrices(scene);
+    for (const Node& node : scene->nodes) {
+        if (!all_finite(node.world)) { fail("its node transforms multiply to a matrix that is not finite"); }
+    }
     reader.place_cameras();
     return reader.indices();
 }
@@ -813,8 +903,11 @@ Skin read_skin(const tinygltf::Model& model, int skin_index, const NodeIndices& 
     }
     if (skin.nodes.empty()) { fail(name + " has no joints"); }
     skin.inverse_bind.assign(skin.nodes.size(), glm::mat4(1.0f));
-    if (source.inverseBindMatrices >= 0) { skin.inverse_bind = read_matrices(model, source.inverseBindMatrices); }
+    if (is_given(source.inverseBindMatrices, "accessor")) {
+        skin.inverse_bind = read_matrices(model, source.inverseBindMatrices);
+    }
     if (skin.inverse_bind.size() < skin.nodes.size()) { fail(name + " has fewer inverse bind matrices than joints"); }
+    skin.inverse_bind.resize(skin.nodes.size());
     return skin;
 }
 
@@ -939,10 +1032,6 @@ void read_animations(const tinygltf::Model& model, const NodeIndices& node_indic
 
 // ---- All of it ----------------------------------------------------------------------------------------
 
-bool is_finite(glm::vec3 vector) {
-    return std::isfinite(vector.x) && std::isfinite(vector.y) && std::isfinite(vector.z);
-}
-
 bool draws_something(const Scene& scene) {
     return std::any_of(scene.nodes.begin(), scene.nodes.end(), [&](const Node& node) {
         return std::any_of(node.meshes.begin(), node.meshes.end(),
@@ -952,6 +1041,7 @@ bool draws_something(const Scene& scene) {
 
 Scene read_scene(const fs::path& path) {
     const tinygltf::Model model = parse_file(path);
+    check_version(model);
     check_required_extensions(model);
     Scene scene;
     scene.name = path.stem().string();
@@ -964,9 +1054,9 @@ Scene read_scene(const fs::path& path) {
     read_animations(model, node_indices, &scene);
     if (!draws_something(scene)) { fail("it has no triangles to draw"); }
     update_bounds(&scene);
-    if (!is_finite(scene.bounds_min) || !is_finite(scene.bounds_max)) {
-        fail("its node transforms move vertices to infinity");
-    }
+    // A picture of it needs distances across it.
+    const glm::vec3 size = scene.bounds_max - scene.bounds_min;
+    if (!std::isfinite(glm::dot(size, size))) { fail("its node transforms move vertices to infinity, or nearly"); }
     return scene;
 }
 
@@ -977,7 +1067,7 @@ bool load_gltf(const std::string& path, Scene* scene, std::string* error) {
         *scene = read_scene(path);
         return true;
     } catch (const std::exception& exception) {
-        *error = "cannot load \"" + path + "\": " + exception.what();
+        *error = "cannot load \"" + path + "\": " + one_line(exception.what());
         return false;
     }
 }

@@ -151,6 +151,14 @@ GlObject upload_pixel(std::vector<uint8_t> rgba) {
     return upload_texture(Image{1, 1, std::move(rgba)}, nearest, false);
 }
 
+// A normal texture for want of one. Half is no byte: 128 of 255 would tilt every normal by 0.32 degrees.
+GlObject upload_flat() {
+    GlObject object = upload_pixel({0, 0, 0, 0});
+    const float half[] = {0.5f, 0.5f, 1.0f, 1.0f};
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, 1, 1, 0, GL_RGBA, GL_FLOAT, half);
+    return object;
+}
+
 // ---- Geometry -------------------------------------------------------------------------------------------
 
 void set_attribute(GLuint location, GLint components, size_t offset) {
@@ -309,7 +317,7 @@ void GpuScene::upload_geometry(const Scene& scene) {
 
 void GpuScene::upload_materials(const Scene& scene) {
     const GLuint white = textures_.emplace_back(upload_pixel({255, 255, 255, 255})).name();
-    const GLuint flat = textures_.emplace_back(upload_pixel({128, 128, 255, 255})).name();
+    const GLuint flat = textures_.emplace_back(upload_flat()).name();
     std::map<std::pair<int, bool>, GLuint> uploaded; // one image may hold colors for one material, data for another
     const auto texture = [&](int index, bool srgb, GLuint missing) {
         if (index < 0 || scene.textures[size_t(index)].image < 0) { return missing; }
@@ -367,6 +375,7 @@ void GpuScene::set_material(GLuint program, const GpuMaterial& material, Sides s
         glBindTexture(GL_TEXTURE_2D, material.textures[unit]);
     }
     (material.double_sided || sides == Sides::both ? glDisable : glEnable)(GL_CULL_FACE);
+    glCullFace(sides == Sides::back ? GL_FRONT : GL_BACK);
 }
 
 // Of the uniforms that place a mesh.

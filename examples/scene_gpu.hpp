@@ -99,7 +99,7 @@ public:
     // of which the last is -1 where the vertex is mirrored.
     std::string vertex_text() const;
 
-    enum class Sides { as_material, both };
+    enum class Sides { as_material, both, back }; // back: what single-sided materials do not show
 
     // Draws all opaque and alpha-masked meshes with a program made of the texts above. `before` is where they were a
     // frame ago. Leaves face culling and the front face as the last mesh needed them.

@@ -71,8 +71,13 @@ mat4 skin_matrix(const mat4* joints, const Vertex& vertex) {
     return sum;
 }
 
+// A position that is not a number counts as everywhere: min and max would leave it out.
 void grow_bounds(Scene* scene, const Vertex& vertex, const mat4& world) {
     const vec3 position(world * vec4(vertex.position, 1.0f));
+    if (glm::any(glm::isnan(position))) {
+        scene->bounds_max = vec3(std::numeric_limits<float>::infinity());
+        scene->bounds_min = -scene->bounds_max;
+    }
     scene->bounds_min = glm::min(scene->bounds_min, position);
     scene->bounds_max = glm::max(scene->bounds_max, position);
 }

@@ -141,7 +141,9 @@ uniform sampler2D u_direct;
 uniform sampler2D u_ao;
 uniform sampler2D u_irradiance;
 uniform sampler2D u_reflection;
+uniform sampler2D u_bent;
 uniform int u_has_ao;
+uniform int u_has_bent;
 uniform int u_has_irradiance;
 uniform int u_has_reflection; // 1: of mirrors only; 2: of rough surfaces as well
 uniform float u_covered; // share of the hemisphere; negative: by the confidence of the irradiance
@@ -204,7 +206,8 @@ void main() {
     vec4 surface = texelFetch(u_normal, ivec3(p, 0), 0);
     vec3 normal = transpose(mat3(u_view)) * decode_normal(surface.rg);
     float confidence = u_covered < 0.0 ? irradiance.a : 0.5 * u_covered; // which dgb_fallback doubles
-    vec3 ambient = dgb_fallback(PI * probe_radiance(normal), visibility, vec4(irradiance.rgb, confidence));
+    vec3 open = u_has_bent != 0 ? dgb_bent_direction(texelFetch(u_bent, p, 0), normal) : normal;
+    vec3 ambient = dgb_fallback(PI * probe_radiance(open), visibility, vec4(irradiance.rgb, confidence));
 
     vec3 view = ray_direction(gl_FragCoord.xy + float(u_guard)), sky = sky_radiance(view);
     vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
@@ -349,7 +352,7 @@ GlObject SceneRenderer::make_layers_program(const char* what, const char* fragme
 
 void SceneRenderer::make_programs() {
     material_program_ = make_layers_program("material", kMaterialFragment);
-    if (has(DGB_PREDICTED)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
+    if (has(DGB_PREDICTED) || has(DGB_BACK)) { depth_program_ = make_layers_program("depth", kDepthFragment); }
     light_program_ = make_fullscreen_program("light", std::string(kDecodeNormal) + kDirectLight + kLightFragment);
     const std::string fallback = text_of(dgbgl_composite_snippet);
     composite_program_ = make_fullscreen_program("composite", fallback + kDecodeNormal + kCompositeFragment);
@@ -462,7 +465,8 @@ void SceneRenderer::draw_layers(const dgb_draw& draw) {
     set_uniform(program, "u_roughness", desc_.roughness.value_or(-1.0f));
     set_uniform(program, "u_clip", to_mat4(draw.projection) * view);
     set_uniform(program, "u_previous_clip", to_mat4(draw.previous_projection) * to_mat4(draw.previous_view));
-    const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances, GpuScene::Sides::as_material);
+    const DrawCounts counts = desc_.scene->draw(program, *pose, before, draw.instances,
+                                                draw.back_faces ? GpuScene::Sides::back : GpuScene::Sides::as_material);
     draw_counts_.draw_calls += counts.draw_calls;
     draw_counts_.triangles += counts.triangles;
 }
@@ -540,8 +544,10 @@ void SceneRenderer::composite(std::optional<float> covered) {
     bind_if_there("u_irradiance", 4, DGB_IRRADIANCE);
     bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
     bind_if_there("u_reflection", 6, DGB_REFLECTION);
+    bind_if_there("u_bent", 7, DGB_BENT);
     set_uniform(program, "u_has_reflection", has(DGB_REFLECTION_RAW) ? 2 : int(has(DGB_REFLECTION)));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
+    set_uniform(program, "u_has_bent", int(has(DGB_BENT)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_covered", covered.value_or(-1.0f));
     set_uniform(program, "u_guard", desc_.layers.guard_band);
@@ -600,7 +606,7 @@ std::vector<float> SceneRenderer::read_picture(Picture picture) const {
 }
 
 std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum format) const {
-    const bool is_depth = slot == DGB_DEPTH;
+    const bool is_depth = slot == DGB_DEPTH || slot == DGB_BACK;
     const bool has_layers = slot <= DGB_KEY; // arrays come first among the slots
     const GLenum attachment = is_depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0;
     const int guard = desc_.layers.guard_band;
@@ -612,7 +618,7 @@ std::vector<float> SceneRenderer::read_texture(dgb_slot slot, int layer, GLenum 
     } else {
         glFramebufferTexture2D(GL_READ_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture(slot), 0);
     }
-    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, divisor(layer));
+    return read_pixels(is_depth ? GL_NONE : GL_COLOR_ATTACHMENT0, format, guard, divisor(slot == DGB_BACK ? 1 : layer));
 }
 
 std::vector<float> SceneRenderer::read_linear_depth(int layer) const {

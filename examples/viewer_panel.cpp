@@ -125,7 +125,9 @@ const std::vector<ParamGroup>& param_groups() {
         {"History",
          {{"history weight", &P::history_weight, 0.0f, 0.999f, "0: no history"},
           {"history tolerance", &P::history_tolerance, 0.0f, 0.1f, "share of the distance"},
-          {"history floor", &P::history_floor, 0.0f, 0.1f, "m"}},
+          {"history floor", &P::history_floor, 0.0f, 0.1f, "m"},
+          {"history clamp", &P::history_clamp, 0.0f, 4.0f, "deviations of neighbours, where surfaces move; 0: off"},
+          {"sample clamp", &P::sample_clamp, 0.0f, 16.0f, "times the neighbours' mean; 0: off"}},
          {},
          {}},
         {"Reconstruction filter",
@@ -234,6 +236,12 @@ bool edit_methods(const Edited& side) {
     const auto estimator = [](int i) { return i == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; };
     if (choose("estimator", &d.estimator, DGB_ESTIMATOR_COUNT, estimator)) {
         changed = side.follow(&dgb_desc::estimator);
+    }
+    const auto thickness = [](int i) {
+        return i == DGB_THICKNESS_LAYERS ? "layers" : i == DGB_THICKNESS_CONSTANT ? "constant" : "back faces";
+    };
+    if (choose("thickness from", &d.thickness, DGB_THICKNESS_COUNT, thickness)) {
+        changed = side.follow(&dgb_desc::thickness);
     }
     const auto senders = [](int i) { return i == DGB_SENDERS_BOTH ? "both" : "strongest"; };
     if (choose("senders", &d.senders, DGB_SENDERS_COUNT, senders)) { changed = side.follow(&dgb_desc::senders); }

@@ -10,7 +10,7 @@ in vec4 dgb_v_previous;
 flat in int dgb_v_layer;
 #endif
 
-#if DGB_LAYERS > 1
+#if DGB_KEEP_TEST
 uniform sampler2DArray dgb_oracle;
 #endif
 
@@ -43,7 +43,7 @@ float dgb_oracle_z(float depth, dgb_camera camera) {
 // the separation (paper, Listing 2). Both depths go through the same function, and REPROJECT adds differences that are exactly 0
 // when nothing moves: then every oracle gives what peeling gives, bit for bit.
 bool dgb_kept_in(int layer) {
-#if DGB_LAYERS > 1
+#if DGB_KEEP_TEST
     vec2  pixel = gl_FragCoord.xy * float(DGB_DIVISOR); // of the first layer
     float z     = dgb_oracle_z(gl_FragCoord.z, dgb_draw_camera);
     if (dgb_draw_layer.z == DGB_ORACLE_REPROJECT) {

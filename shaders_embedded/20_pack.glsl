@@ -10,7 +10,9 @@ layout(std140) uniform dgb_pack_block {
     dgb_reprojection dgb_pack_past;
 };
 
-float dgb_z_at(int layer, ivec2 p) { return dgb_linear_z(dgb_depth_code(dgb_depth_at(layer, p), dgb_pack_separation.y), dgb_pack_camera); }
+float dgb_z_of(float depth) { return dgb_linear_z(dgb_depth_code(depth, dgb_pack_separation.y), dgb_pack_camera); }
+
+float dgb_z_at(int layer, ivec2 p) { return dgb_z_of(dgb_depth_at(layer, p)); }
 
 layout(location = 0) out vec4 dgb_out_z;
 layout(location = 1) out vec4 dgb_out_normals;
@@ -96,6 +98,10 @@ void main() {
     float z0        = dgb_z_at(0, p);
     dgb_out_z       = vec4(dgb_packed_z(z0), 0.0, 0.0, 0.0);
     dgb_out_normals = vec4(dgb_packed_normal(0, p, z0), 0.0, 0.0);
+#if DGB_BACK
+    float back = dgb_z_of(dgb_back_at(p)); // behind another pixel's layer 0, with a divisor: never before this one's
+    dgb_out_z.z = dgb_packed_z(dgb_keep_test(back, z0, 0.0) ? back : 0.0);
+#endif
 #if DGB_PACK_RADIANCE
     dgb_out_b0 = vec4(dgb_packed_radiance(0, p, z0, dgb_out_normals.xy), 1.0);
 #endif

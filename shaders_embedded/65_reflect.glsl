@@ -110,21 +110,13 @@ struct dgb_hit {
     float depth; // behind the surface when the ray came there, as a share of the thickness; 0: it came from before it
 };
 
-// How thick the surfaces of a texel are taken to be: the first no thicker than the way to the second.
-vec2 dgb_thickness(vec2 zs) {
-#if DGB_LAYERS > 1
-    return vec2(min(dgb_reflect_ray.y, zs.x - zs.y), dgb_reflect_ray.y);
-#else
-    return dgb_reflect_ray.yy;
-#endif
-}
-
 dgb_hit dgb_hit_at(dgb_ray ray, float s, float z_before) {
     float   z = dgb_ray_z(ray, s), nearest = max(z, z_before);
     dgb_hit hit;
     hit.s     = s;
     hit.texel = clamp(ivec2(dgb_ray_pixel(ray, s)), ivec2(0), dgb_reflect_size.xy - 1);
-    vec2 zs   = texelFetch(dgb_z, hit.texel, 0).xy, thickness = dgb_thickness(zs);
+    vec4 zs        = texelFetch(dgb_z, hit.texel, 0);
+    vec2 thickness = dgb_thickness_of(zs, dgb_reflect_ray.y);
     ++dgb_lookups;
     bool first = dgb_is_behind(z, z_before, zs.x, thickness.x) && dgb_is_above(dgb_centre(0, hit.texel), zs.x, ray), second = false;
 #if DGB_LAYERS > 1

@@ -157,6 +157,16 @@ static void print_hierarchical_section(record_text* text, int layers) {
     record_printf(text, "\n");
 }
 
+static void print_back_section(record_text* text, int layers) {
+    dgb_desc d = small_desc(layers, DGB_EFFECT_AO | DGB_EFFECT_REFLECT);
+    dgb_plan plan;
+    d.thickness = DGB_THICKNESS_BACK_FACES;
+    plan = make_plan(&d);
+    record_printf(text, "== back faces, layers %d\n", layers);
+    print_plan(text, &plan);
+    record_printf(text, "\n");
+}
+
 static void test_golden_plans(void** state) {
     record_text text = {0};
     uint32_t effects;
@@ -186,6 +196,7 @@ static void test_golden_plans(void** state) {
         print_built_section(&text, layers, ALL_EFFECTS, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH);
         print_hierarchical_section(&text, layers);
+        print_back_section(&text, layers);
         print_built_section(&text, layers, GLOSSY, DGB_ORACLE_PEEL);
         print_built_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_ORACLE_PEEL);
         print_engine_section(&text, layers, GLOSSY | DGB_EFFECT_TEMPORAL, DGB_NORMALS_FROM_DEPTH);
@@ -412,7 +423,8 @@ static void check_passes_connect(const dgb_desc* desc, const dgb_plan* plan) {
             written[pass->outputs[k]] = true;
         }
         if (pass->program >= plan->program_count ||
-            (pass->program < 0) != (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_PREDICT) ||
+            (pass->program < 0) !=
+                (pass->id == DGB_PASS_LAYERS || pass->id == DGB_PASS_BACK || pass->id == DGB_PASS_PREDICT) ||
             (pass->program >= 0 && plan->programs[pass->program].pass != pass->id))
             fail_msg("pass %s has program %d", dgb_pass_name(pass->id), pass->program);
     }
@@ -707,6 +719,58 @@ static void check_estimator(dgb_desc d) {
     }
 }
 
+static bool reads(const dgb_plan_pass* pass, dgb_slot name, dgb_slot texture) {
+    int i;
+    for (i = 0; i < pass->input_count; ++i)
+        if (pass->inputs[i].name == name && pass->inputs[i].texture == texture) return true;
+    return false;
+}
+
+/* Last of all that a pass writes, so that the others stay where they are. */
+static bool writes_last(const dgb_plan_pass* pass, dgb_slot slot) {
+    return pass->output_count > 0 && pass->outputs[pass->output_count - 1] == slot;
+}
+
+/* The way of DGB_BENT through the passes; without the effect nothing of it is there. */
+static void check_bent(uint32_t effects, int layers) {
+    const bool temporal = (effects & DGB_EFFECT_TEMPORAL) != 0;
+    dgb_desc d = small_desc(layers, effects | DGB_EFFECT_BENT);
+    dgb_plan with, without;
+    int i, textures = 0;
+    d.estimator = DGB_ESTIMATOR_BITMASK;
+    with = make_plan(&d);
+    d.effects = effects;
+    without = make_plan(&d);
+    assert_int_equal(with.pass_count, without.pass_count);
+    assert_int_equal(with.texture_count, without.texture_count + (temporal ? 5 : 3));
+    for (i = 0; i < with.texture_count; ++i)
+        textures += with.textures[i].slot == DGB_BENT && with.textures[i].format == DGB_FORMAT_RGBA16F;
+    assert_int_equal(textures, 1);
+    for (i = 0; i < with.pass_count; ++i) {
+        const dgb_plan_pass* p = &with.passes[i];
+        if (p->id == DGB_PASS_AO) assert_true(writes_last(p, DGB_BENT_RAW));
+        if (p->id == DGB_PASS_TEMPORAL)
+            assert_true(reads(p, DGB_BENT_RAW, DGB_BENT_RAW) && reads(p, DGB_LAST_BENT, DGB_LAST_BENT) &&
+                        writes_last(p, DGB_BENT_MEAN));
+        if (p->id == DGB_PASS_RECONSTRUCT && p->level == 0)
+            assert_true(reads(p, DGB_BENT_RAW, temporal ? DGB_BENT_MEAN : DGB_BENT_RAW) &&
+                        writes_last(p, DGB_HALF_BENT));
+        if (p->id == DGB_PASS_RECONSTRUCT && p->level == 1)
+            assert_true(reads(p, DGB_HALF_BENT, DGB_HALF_BENT) && writes_last(p, DGB_BENT));
+    }
+    assert_int_equal(define_of(&with, DGB_PASS_AO, "DGB_BENT"), 1);
+    assert_int_equal(define_of(&without, DGB_PASS_AO, "DGB_BENT"), 0);
+}
+
+static void test_bent(void** state) {
+    uint32_t effects;
+    int layers;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects) && (effects & DGB_EFFECT_AO); ++layers)
+            check_bent(effects, layers);
+}
+
 static void test_estimator(void** state) {
     uint32_t effects;
     int layers;
@@ -777,13 +841,57 @@ static void test_tracer(void** state) {
             }
 }
 
+/* What back faces add: where nothing reads them nothing, else a texture and a pass before the prediction, and room for their z in
+   that of the layers. Of the engine's own layers, an input. */
+static void check_back(dgb_desc d) {
+    const bool covers = d.estimator == DGB_ESTIMATOR_BITMASK && (d.effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY));
+    const bool reads = covers || (d.effects & DGB_EFFECT_REFLECT), built = d.source == DGB_SOURCE_BUILD;
+    const dgb_plan layers = make_plan(&d);
+    const dgb_texture_desc* t;
+    dgb_plan plan;
+    d.thickness = DGB_THICKNESS_BACK_FACES;
+    plan = make_plan(&d);
+    assert_null(find_texture(&layers, DGB_BACK));
+    check_texture(&plan, DGB_BACK, reads && built, DGB_FORMAT_D32F);
+    assert_int_equal(has_pass(&plan, DGB_PASS_BACK), reads && built);
+    if (d.effects) assert_int_equal(define_of(&plan, DGB_PASS_PACK, "DGB_BACK"), reads);
+    t = find_texture(&plan, DGB_Z);
+    if (t && reads) assert_int_equal(t->format, DGB_FORMAT_RGBA32F);
+    if (t && !reads) assert_int_equal(t->format, find_texture(&layers, DGB_Z)->format);
+    if (find_texture(&plan, DGB_LAST_Z)) assert_int_equal(find_texture(&plan, DGB_LAST_Z)->format, t->format);
+    if (covers && (d.effects & DGB_EFFECT_AO)) assert_int_equal(define_of(&plan, DGB_PASS_AO, "DGB_THICKNESS"), 2);
+    if (d.effects & DGB_EFFECT_REFLECT) assert_int_equal(define_of(&plan, DGB_PASS_REFLECT, "DGB_THICKNESS"), 2);
+    assert_int_equal(plan.texture_count, layers.texture_count + (reads && built));
+    assert_int_equal(plan.pass_count, layers.pass_count + (reads && built));
+    check_limits(&d, &plan);
+    check_bytes(&d, &plan);
+    check_passes_connect(&d, &plan);
+}
+
+static void test_back(void** state) {
+    uint32_t effects;
+    int layers, i;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects); ++layers)
+            for (i = 0; i < 4; ++i) {
+                dgb_desc d = small_desc(layers, effects);
+                d.estimator = i % 2 ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
+                d.tracer = DGB_TRACER_HIERARCHICAL;
+                if (i >= 2) d.source = DGB_SOURCE_ENGINE, d.normals = DGB_NORMALS_FLOAT; /* the most inputs */
+                if (i < 2 && layers > 1)
+                    d.emission = DGB_EMISSION_IMAGE, d.oracle = DGB_ORACLE_PREDICT; /* and passes */
+                check_back(d);
+            }
+}
+
 /* A lower resolution of the deeper layers is a matter of viewports and programs: no texture changes. */
 static void test_divisor(void** state) {
     static const struct {
         dgb_pass_id pass;
         int places;
     } users[] = {
-        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 2}};
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 2}, {DGB_PASS_RECONSTRUCT, 2}};
     int divisor, i, k;
     size_t user;
     (void)state;
@@ -895,12 +1003,20 @@ static const struct {
     {"default layers of 1", {SIZE, .backend = &one_layer}, DGB_INVALID, DGB_LOG_LAYERS},
     {"bounces of nothing", {SIZE, .effects = DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"bounces of occlusion", {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"directions of the paper's estimator",
+     {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_BENT},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
+    {"directions without occlusion",
+     {SIZE, .effects = DGB_EFFECT_RADIOSITY | DGB_EFFECT_BENT, .estimator = DGB_ESTIMATOR_BITMASK},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
     {"temporal filter of nothing", {SIZE, .effects = DGB_EFFECT_TEMPORAL}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"temporal filter of bounces",
      {SIZE, .effects = DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL},
      DGB_INVALID,
      DGB_LOG_EFFECTS},
-    {"effect 64", {SIZE, .effects = 64 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"effect 128", {SIZE, .effects = 128 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"glossy alone", {SIZE, .effects = DGB_EFFECT_GLOSSY | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"glossy over time, no velocity",
      {SIZE, .effects = GLOSSY | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
@@ -963,6 +1079,8 @@ static const struct {
     {"tracer 2", {SIZE, .tracer = DGB_TRACER_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"estimator", {SIZE, .estimator = BAD(dgb_estimator)}, DGB_INVALID, DGB_LOG_ENUM},
     {"estimator 2", {SIZE, .estimator = DGB_ESTIMATOR_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
+    {"thickness", {SIZE, .thickness = BAD(dgb_thickness)}, DGB_INVALID, DGB_LOG_ENUM},
+    {"thickness 3", {SIZE, .thickness = DGB_THICKNESS_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth in R32F", {SIZE, .depth_format = DGB_FORMAT_R32F}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format 13", {SIZE, .depth_format = DGB_FORMAT_COUNT}, DGB_INVALID, DGB_LOG_ENUM},
     {"depth format -1", {SIZE, .depth_format = BAD(dgb_format)}, DGB_INVALID, DGB_LOG_ENUM},
@@ -1223,7 +1341,9 @@ int main(void) {
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_senders_choose_the_program),
         cmocka_unit_test(test_tracer),
+        cmocka_unit_test(test_back),
         cmocka_unit_test(test_estimator),
+        cmocka_unit_test(test_bent),
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),

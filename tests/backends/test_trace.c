@@ -64,7 +64,8 @@ static void on_draw(void* user, const dgb_draw* draw) {
     if (!f->r.in_pass) fail_msg("draw callback of layer %d outside of a pass", draw->first_layer);
     if (f->draw_count == MAX_DRAWS) fail_msg("more than %d draws", MAX_DRAWS);
     /* peeling compares with what this frame has drawn, every other oracle with what it has not */
-    if (oracle.id && (oracle.id == f->r.pass.depth.texture.id) != (draw->oracle == DGB_ORACLE_PEEL))
+    if (oracle.id && !draw->back_faces &&
+        (oracle.id == f->r.pass.depth.texture.id) != (draw->oracle == DGB_ORACLE_PEEL))
         fail_msg("oracle %s reads %s and writes %s", dgb_oracle_name(draw->oracle), record_texture_name(&f->r, oracle),
                  record_texture_name(&f->r, f->r.pass.depth.texture));
     f->passes[f->draw_count] = f->r.pass;
@@ -73,6 +74,7 @@ static void on_draw(void* user, const dgb_draw* draw) {
                   draw->layer_count, draw->instances, dgb_oracle_name(draw->oracle), dgb_emission_name(draw->emission));
     if (draw->pose) record_printf(&f->r.trace, ", pose %d", draw->pose);
     if (draw->depth_only) record_printf(&f->r.trace, ", depth only");
+    if (draw->back_faces) record_printf(&f->r.trace, ", back faces");
     record_printf(&f->r.trace, "\n");
 }
 
@@ -136,6 +138,7 @@ static dgb_layers engine_layers(fixture* f) {
         layers.velocity[i] =
             record_engine_texture(&f->r, i ? DGB_ENGINE_VELOCITY1 : DGB_ENGINE_VELOCITY0, width, height);
     }
+    layers.back = record_engine_texture(&f->r, DGB_ENGINE_BACK, width, height);
     layers.roughness = record_engine_texture(&f->r, DGB_ENGINE_ROUGHNESS, width, height);
     return layers;
 }
@@ -252,6 +255,27 @@ static void print_hierarchical_shading(record_text* text) {
     stop(&f);
 }
 
+/* Two frames, whole. Back faces are drawn behind the layers of the same pose and before the next. */
+static void print_back(record_text* text, construction c, int layers, int divisor) {
+    fixture f;
+    int frame;
+    configure(&f, c, layers, DGB_EFFECT_REFLECT);
+    f.desc.thickness = DGB_THICKNESS_BACK_FACES;
+    f.desc.divisor = divisor;
+    init(&f);
+    record_clear(&f.r);
+    record_printf(text, "== back faces, layers %d, oracle %s, emission %s, divisor %d\n", layers,
+                  dgb_oracle_name(c.oracle), dgb_emission_name(c.emission), divisor);
+    for (frame = 0; frame < 2; ++frame) {
+        record_printf(text, "-- frame %d\n", frame);
+        build(&f);
+        shade(&f);
+        take_trace(&f, text);
+    }
+    record_printf(text, "\n");
+    stop(&f);
+}
+
 /* Three frames, whole: with two the textures that change places are back where they were. */
 static void print_history(record_text* text, int layers, uint32_t effects) {
     fixture f;
@@ -344,6 +368,9 @@ static void test_golden_traces(void** state) {
     print_history(&text, 1, DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_TEMPORAL);
     print_shading(&text, 2, ALL_EFFECTS);
     print_hierarchical_shading(&text);
+    print_back(&text, constructions[0], 1, 1);
+    print_back(&text, constructions[6], 2, 2);
+    print_back(&text, constructions[13], 2, 1); /* delay, image */
     record_check_golden("trace.golden", &text);
     record_text_free(&text);
 }
@@ -1247,13 +1274,55 @@ static void test_gather_uniforms(void** state) {
     }
 }
 
+/* A peel behind layer 0, by no separation, of the pose and with the camera of the layers, into a texture of its own. */
+static void test_back_faces(void** state) {
+    size_t i;
+    (void)state;
+    for (i = 0; i < CONSTRUCTION_COUNT; ++i) {
+        const dgb_draw_uniforms *first, *back;
+        const dgb_draw *layers, *draw;
+        fixture f;
+        int frame, k;
+        configure(&f, constructions[i], 3, DGB_EFFECT_REFLECT);
+        f.desc.thickness = DGB_THICKNESS_BACK_FACES;
+        f.params.separation = 0.25f;
+        init(&f);
+        for (frame = 0; frame < 3; ++frame) {
+            record_clear(&f.r);
+            f.draw_count = 0;
+            f.view.view[12] = (float)frame;
+            build(&f);
+            for (k = 0; k < f.draw_count && !f.draws[k].back_faces; ++k) continue;
+            assert_true(k > 0 && k < f.draw_count);
+            layers = &f.draws[0], draw = &f.draws[k];
+            assert_true(draw->depth_only && draw->first_layer == 1 && draw->layer_count == 1 && draw->instances == 1);
+            assert_true(draw->oracle == DGB_ORACLE_PEEL && draw->pose == layers->pose);
+            assert_memory_equal(draw->view, layers->view, sizeof draw->view);
+            assert_memory_equal(draw->projection, layers->projection, sizeof draw->projection);
+            assert_int_equal(f.passes[k].id, DGB_PASS_BACK);
+            assert_true(f.passes[k].depth.texture.id == dgb_get_texture(&f.context, DGB_BACK).id);
+            assert_true(f.passes[k].depth.layer == 0 && f.passes[k].color_count == 0 && !f.passes[k].key.id);
+            first = &record_uniforms_of(&f.r, DGB_PASS_LAYERS, 0)->u.draw;
+            back = &record_uniforms_of(&f.r, DGB_PASS_BACK, 0)->u.draw;
+            assert_memory_equal(&back->camera, &first->camera, sizeof back->camera);
+            assert_memory_equal(&back->previous, &back->camera, sizeof back->camera);
+            assert_true(first->size[2] == 0.25f && back->size[2] == 0.0f && back->layer[0] == 1);
+            for (++k; k < f.draw_count; ++k) assert_false(f.draws[k].back_faces);
+            shade(&f);
+        }
+        stop(&f);
+    }
+}
+
 static void test_bitmask_uniforms(void** state) {
     const dgb_bitmask_uniforms *ao, *light;
     const dgb_tiles_uniforms* tiles;
     fixture f;
+    int i;
     (void)state;
     start(&f);
     f.desc.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    for (i = 0; i < 9; ++i) f.view.view[4 * (i % 3) + i / 3] = (float)(i + 1); /* no two alike */
     f.desc.estimator = DGB_ESTIMATOR_BITMASK;
     f.params.ao_radius = 2.0f;
     f.params.ao_samples = 37; /* two slices, four sides: 9 steps each */
@@ -1279,6 +1348,7 @@ static void test_bitmask_uniforms(void** state) {
     assert_true(light->radius[0] == 3.0f && light->radius[1] == 9.0f && light->radius[2] == 0.125f);
     assert_true(fabsf(ao->radius[3] - sqrtf(80.0f * 80.0f + 64.0f * 64.0f)) < 1e-4f);
     assert_true(ao->scale[0] == 2.0f && ao->scale[1] == 0.5f && ao->scale[2] == 1.5f && ao->scale[3] == 1.0f);
+    for (i = 0; i < 9; ++i) assert_true(ao->world[i / 3][i % 3] == f.view.view[4 * (i % 3) + i / 3]); /* turned back */
     /* what is behind a surface may reach farther into the radius than the surface itself */
     assert_true(tiles->radius[0] == 2.125f && tiles->radius[1] == 3.125f);
     stop(&f);
@@ -1604,18 +1674,19 @@ static void test_reprojection_matrix(void** state) {
 
 /* A view that flattens the world has no way back: no NaN comes of it. */
 static void test_reprojection_from_a_singular_view(void** state) {
+    static const float scales[] = {1.0f, 0.0f, 1e-38f, 1e20f, 1e-20f}; /* between the last two lies 1e40 */
     fixture f;
     int frame, row, column;
     (void)state;
     start_history(&f);
     init(&f);
-    for (frame = 0; frame < 4; ++frame) {
-        f.view.view[0] = frame == 1 ? 0.0f : frame == 2 ? 1e-38f : 1.0f;
+    for (frame = 0; frame < 5; ++frame) {
+        f.view.view[0] = scales[frame];
         run_frame(&f);
         for (row = 0; row < 3; ++row)
             for (column = 0; column < 4; ++column) {
                 const float x = past_of(&f, DGB_PASS_TEMPORAL)->to_last[row][column];
-                if (x != x) fail_msg("frame %d: NaN", frame);
+                if (!isfinite(x)) fail_msg("frame %d: %g", frame, (double)x);
             }
     }
     stop(&f);
@@ -1806,6 +1877,87 @@ static void test_failed_resize_keeps_the_old(void** state) {
         for (n = 1; n <= plan.texture_count; ++n) check_failed_resize(failures[i], n);
 }
 
+/* The device fails in pass n, 0: at the end, while it builds or shades the second frame. */
+static void start_failing(fixture* f, int n, dgb_result failure) {
+    start(f);
+    f->desc.effects = ALL_EFFECTS;
+    f->desc.oracle = DGB_ORACLE_PREDICT;
+    init(f);
+    build(f);
+    shade(f);
+    record_clear(&f->r);
+    f->r.passes = 0;
+    f->r.fail_pass_at = n;
+    f->r.fail_with = failure;
+    if (!n) f->r.end_with = failure;
+}
+
+/* It says so once, and runs nothing after the pass that failed. */
+static void check_failed(fixture* f, int n, dgb_result failure, dgb_result result) {
+    if (result != failure) fail_msg("pass %d: %s", n, dgb_result_name(result));
+    if (n) assert_int_equal(f->r.passes, n);
+    assert_int_equal(f->log_count, 1);
+    assert_int_equal(f->log_result, failure);
+    assert_int_equal(f->log_item, DGB_LOG_PASS);
+    assert_int_equal(f->r.begins, f->r.ends);
+    f->r.fail_pass_at = 0;
+    f->r.end_with = DGB_OK;
+    f->log_count = 0;
+    record_clear(&f->r);
+}
+
+/* True when there was no pass n to fail. */
+static bool check_failed_build(int n, dgb_result failure) {
+    fixture f;
+    dgb_result result;
+    start_failing(&f, n, failure);
+    result = dgb_build(&f.context, &f.view, &f.params, on_draw, &f);
+    if (n > f.r.passes) return assert_int_equal(result, DGB_OK), stop(&f), true;
+    check_failed(&f, n, failure, result);
+    assert_int_equal(dgb_shade(&f.context, &f.params), DGB_INVALID);
+    assert_int_equal(f.log_item, DGB_LOG_NO_LAYERS);
+    assert_int_equal(oracle_of_next_build(&f), DGB_ORACLE_PEEL); /* afresh */
+    assert_false(f.context.has_history);
+    shade(&f);
+    stop(&f);
+    return false;
+}
+
+static bool check_failed_shade(int n, dgb_result failure) {
+    fixture f;
+    dgb_result result;
+    start_failing(&f, n, failure);
+    f.r.fail_pass_at = 0;
+    f.r.end_with = DGB_OK;
+    build(&f);
+    assert_true(f.context.has_history);
+    f.r.passes = 0;
+    f.r.fail_pass_at = n;
+    if (!n) f.r.end_with = failure;
+    result = dgb_shade(&f.context, &f.params);
+    if (n > f.r.passes) return assert_int_equal(result, DGB_OK), stop(&f), true;
+    check_failed(&f, n, failure, result);
+    assert_false(f.context.has_history);
+    shade(&f); /* the layers are there still */
+    assert_true(f.context.has_history);
+    assert_int_equal(oracle_of_next_build(&f), DGB_ORACLE_PREDICT);
+    stop(&f);
+    return false;
+}
+
+static void test_failed_passes(void** state) {
+    static const dgb_result results[] = {DGB_OUT_OF_MEMORY, DGB_DEVICE};
+    size_t i;
+    int n;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        for (n = 0; !check_failed_build(n, results[i]); ++n) {}
+        assert_int_equal(n, 3); /* the end; the layers, the prediction; and no third */
+        for (n = 0; !check_failed_shade(n, results[i]); ++n) {}
+        assert_true(n > 10);
+    }
+}
+
 static void test_refused_resize_keeps_the_old(void** state) {
     static const int sizes[][2] = {{0, 48}, {64, -1}, {16385, 48}, {16384, 48}};
     dgb_context before;
@@ -1882,6 +2034,31 @@ static void test_whatever_was_initialised_resizes(void** state) {
                     stop(&f);
                 }
     assert_true(good > 300);
+}
+
+/* Programs stay through a resize, so no size may ask for others: not even one that has no MIP chain and no coarser range. */
+static void test_programs_do_not_depend_on_the_size(void** state) {
+    static const int sizes[][2] = {{71, 1}, {2, 2}, {64, 48}};
+    fixture f;
+    size_t i;
+    (void)state;
+    start(&f);
+    f.desc.guard_band = 0;
+    f.desc.effects = ALL_EFFECTS;
+    f.desc.tracer = DGB_TRACER_HIERARCHICAL;
+    init(&f);
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        dgb_plan before;
+        memcpy(&before, &f.context.plan, sizeof before);
+        assert_int_equal(dgb_resize(&f.context, sizes[i][0], sizes[i][1]), DGB_OK);
+        assert_int_equal(f.context.plan.program_count, before.program_count);
+        assert_true(same_bits(f.context.plan.programs, before.programs, sizeof before.programs));
+        f.draw_count = 0;
+        build(&f);
+        shade(&f); /* the backend checks that each pass draws with a program of its own */
+        record_clear(&f.r);
+    }
+    stop(&f);
 }
 
 static void test_resize_discards_the_layers(void** state) {
@@ -2066,6 +2243,8 @@ static void set_boost_saturated(dgb_params* p, float x) { p->boost_saturated = x
 static void set_history_weight(dgb_params* p, float x) { p->history_weight = x; }
 static void set_history_tolerance(dgb_params* p, float x) { p->history_tolerance = x; }
 static void set_history_floor(dgb_params* p, float x) { p->history_floor = x; }
+static void set_history_clamp(dgb_params* p, float x) { p->history_clamp = x; }
+static void set_sample_clamp(dgb_params* p, float x) { p->sample_clamp = x; }
 static void set_filter_taps(dgb_params* p, float x) { p->filter_taps = (int)x; }
 static void set_filter_step(dgb_params* p, float x) { p->filter_step = (int)x; }
 static void set_normal_sharpness(dgb_params* p, float x) { p->normal_sharpness = x; }
@@ -2129,6 +2308,8 @@ static const struct {
      {0, 0.005f, 1, 100},
      {-0.001f, -1, -1e30f, -1}},
     {"history_floor", set_history_floor, DGB_LOG_HISTORY_PARAMS, true, {0, 0.01f, 1, 1e6f}, {-0.001f, -1, -1e30f, -1}},
+    {"history_clamp", set_history_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 1, 3, 1e30f}, {-0.001f, -1, -1e30f, -1}},
+    {"sample_clamp", set_sample_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 0.5f, 8, 1e30f}, {-0.001f, -1, -1e30f, -1}},
     {"filter_taps", set_filter_taps, DGB_LOG_FILTER_PARAMS, false, {1, 25, 9, 11}, {0, 2, 27, -1}},
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
     {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},
@@ -2329,12 +2510,16 @@ static void test_wrong_source(void** state) {
 
 /* >> the engine's own layers */
 
-static void start_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
+static void configure_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
     start(f);
     f->desc.source = DGB_SOURCE_ENGINE;
     f->desc.layers = layers;
     f->desc.effects = effects;
     f->desc.normals = normals;
+}
+
+static void start_engine(fixture* f, int layers, uint32_t effects, dgb_normals normals) {
+    configure_engine(f, layers, effects, normals);
     init(f);
 }
 
@@ -2349,19 +2534,24 @@ static void check_input(fixture* f, const dgb_layers* layers, bool good, const c
     check_nothing_changed(f, &before);
 }
 
-/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9) and roughness (10), one at a time is missing. */
-static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
+/* Of depth, normal, radiance, albedo and velocity of both layers (bits 0 to 9), roughness (10) and back faces (11), one at a time
+   is missing. */
+static void check_inputs_for(dgb_thickness thickness, int layers, uint32_t effects, dgb_normals normals,
+                             unsigned needed) {
     dgb_layers all;
     fixture f;
     unsigned missing;
-    start_engine(&f, layers, effects, normals);
+    configure_engine(&f, layers, effects, normals);
+    f.desc.thickness = thickness;
+    init(&f);
     all = engine_layers(&f);
-    for (missing = 0; missing < 11; ++missing) {
+    for (missing = 0; missing < 12; ++missing) {
         dgb_layers given = all;
         dgb_texture* const kinds[5] = {given.depth, given.normal, given.radiance, given.albedo, given.velocity};
         char what[64];
         if (missing < 10) kinds[missing % 5][missing / 5].id = 0;
         if (missing == 10) given.roughness.id = 0;
+        if (missing == 11) given.back.id = 0;
         snprintf(what, sizeof what, "effects %s, %d layers, without input %u", record_effect_names(effects), layers,
                  missing);
         check_input(&f, &given, !(needed >> missing & 1u), what);
@@ -2369,8 +2559,12 @@ static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsi
     stop(&f);
 }
 
+static void check_inputs(int layers, uint32_t effects, dgb_normals normals, unsigned needed) {
+    check_inputs_for(DGB_THICKNESS_LAYERS, layers, effects, normals, needed);
+}
+
 static void test_inputs_that_are_needed(void** state) {
-    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32, ROUGHNESS = 1024 };
+    enum { Z = 1, N = 2, B = 4, ALBEDO = 8, VELOCITY = 16, SECOND = 32, ROUGHNESS = 1024, BACK = 2048 };
     const uint32_t ao = DGB_EFFECT_AO, light = DGB_EFFECT_RADIOSITY, bounces = DGB_EFFECT_BOUNCES,
                    temporal = DGB_EFFECT_TEMPORAL;
     (void)state;
@@ -2394,6 +2588,9 @@ static void test_inputs_that_are_needed(void** state) {
                  (Z | B) * (1 + SECOND) | VELOCITY | ROUGHNESS);
     check_inputs(2, ALL_EFFECTS & ~DGB_EFFECT_GLOSSY, DGB_NORMALS_FLOAT, 1023);
     check_inputs(2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 2047);
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 1, DGB_EFFECT_REFLECT, DGB_NORMALS_FROM_DEPTH, Z | B | BACK);
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 1, ao, DGB_NORMALS_FROM_DEPTH, Z); /* the paper's knows no thickness */
+    check_inputs_for(DGB_THICKNESS_BACK_FACES, 2, ALL_EFFECTS, DGB_NORMALS_FLOAT, 4095);
 }
 
 /* Layers of the engine's own are never built afresh: a cut and a resize drop the history all the same. */
@@ -2531,6 +2728,7 @@ int main(void) {
         cmocka_unit_test(test_pack_uniforms),
         cmocka_unit_test(test_ao_uniforms),
         cmocka_unit_test(test_gather_uniforms),
+        cmocka_unit_test(test_back_faces),
         cmocka_unit_test(test_bitmask_uniforms),
         cmocka_unit_test(test_skip_uniforms),
         cmocka_unit_test(test_reconstruction_uniforms),
@@ -2549,10 +2747,12 @@ int main(void) {
         cmocka_unit_test(test_presets_create_nothing),
         cmocka_unit_test(test_failed_init_leaves_nothing),
         cmocka_unit_test(test_failed_resize_keeps_the_old),
+        cmocka_unit_test(test_failed_passes),
         cmocka_unit_test(test_refused_resize_keeps_the_old),
         cmocka_unit_test(test_resize_knows_the_device),
         cmocka_unit_test(test_resize_to_the_same_does_nothing),
         cmocka_unit_test(test_whatever_was_initialised_resizes),
+        cmocka_unit_test(test_programs_do_not_depend_on_the_size),
         cmocka_unit_test(test_resize_discards_the_layers),
         cmocka_unit_test(test_backend_is_checked),
         cmocka_unit_test(test_optional_callbacks),

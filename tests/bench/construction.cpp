@@ -278,9 +278,10 @@ public:
     int64_t triangles() const { return triangles_; }
     int meshes() const { return int(draws_.size()); }
 
-    void pose(int frame) const;                                 // sets the bones
-    void skin(GLuint compute) const;                            // fills the cache
-    int draw(GLuint program, bool cached, int instances) const; // returns the number of draw calls
+    void pose(int frame) const;      // sets the bones
+    void skin(GLuint compute) const; // fills the cache
+    // Returns the number of draw calls. back: of what has one side, the faces that are not seen
+    int draw(GLuint program, bool cached, int instances, bool back) const;
 
 private:
     struct Draw {
@@ -384,7 +385,7 @@ void Model::skin(GLuint compute) const {
     glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
 }
 
-int Model::draw(GLuint program, bool cached, int instances) const {
+int Model::draw(GLuint program, bool cached, int instances, bool back) const {
     const GLint color = glGetUniformLocation(program, "u_color"), cutoff = glGetUniformLocation(program, "u_cutoff");
     set_uniform(program, "u_texture", 0);
     glActiveTexture(GL_TEXTURE0);
@@ -392,6 +393,7 @@ int Model::draw(GLuint program, bool cached, int instances) const {
     for (const Draw& draw : draws_) {
         const size_t offset = draw.first_index * sizeof(uint32_t);
         (draw.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+        glCullFace(back ? GL_FRONT : GL_BACK);
         glFrontFace(draw.mirrored ? GL_CW : GL_CCW);
         glUniform4fv(color, 1, glm::value_ptr(draw.color));
         glUniform1f(cutoff, draw.cutoff);
@@ -410,7 +412,8 @@ struct Method {
     dgb_oracle oracle;
     dgb_emission emission;
     bool one_layer;
-    bool cached; // a compute shader transforms the vertices first; only where they are expensive
+    bool cached;       // a compute shader transforms the vertices first; only where they are expensive
+    bool back = false; // faces are drawn as well
 };
 
 constexpr Method kMethods[] = {
@@ -430,6 +433,8 @@ constexpr Method kMethods[] = {
     {"predict, image", DGB_ORACLE_PREDICT, DGB_EMISSION_IMAGE, false, false},
     {"delay, vertex", DGB_ORACLE_DELAY, DGB_EMISSION_VERTEX, false, false},
     {"delay, image", DGB_ORACLE_DELAY, DGB_EMISSION_IMAGE, false, false},
+    {"vertex, back faces", DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX, false, false, true},
+    {"image, back faces", DGB_ORACLE_REPROJECT, DGB_EMISSION_IMAGE, false, false, true},
 };
 constexpr size_t kOneLayer = 0, kPeel = 1; // rows that the others are compared with
 
@@ -447,6 +452,10 @@ dgb_desc describe(const Method& method, const Config& config) {
     desc.divisor = method.one_layer ? 1 : config.divisor;
     desc.oracle = method.oracle;
     desc.emission = method.emission;
+    if (method.back) {
+        desc.thickness = DGB_THICKNESS_BACK_FACES;
+        desc.effects = DGB_EFFECT_REFLECT; // which reads them
+    }
     return desc;
 }
 
@@ -470,7 +479,7 @@ public:
         static const std::vector<dgbgl_varying> varyings = {{nullptr, "vec3", "v_normal"}, {nullptr, "vec2", "v_uv"}};
         const std::string vertex = expensive_ && !method.cached ? std::string("#define SKINNED\n") + kSkinning : "";
         program_ = make_material_program(library_.context(), varyings, vertex + kVertex, kFragment);
-        if (method.oracle == DGB_ORACLE_PREDICT || method.oracle == DGB_ORACLE_DELAY) {
+        if (method.oracle == DGB_ORACLE_PREDICT || method.oracle == DGB_ORACLE_DELAY || method.back) {
             depth_program_ = make_material_program(library_.context(), varyings, vertex + kVertex, kDepthFragment);
         }
         if (method.cached) { compute_ = make_compute(); }
@@ -532,7 +541,7 @@ void Contender::draw(const dgb_draw& what) {
     set_uniform(program, "u_clip_before",
                 glm::make_mat4(what.previous_projection) * glm::make_mat4(what.previous_view));
     if (counts_fragments_) { glDisable(GL_DEPTH_TEST); }
-    counts_.draw_calls += model_.draw(program, method_.cached, what.instances);
+    counts_.draw_calls += model_.draw(program, method_.cached, what.instances, what.back_faces);
 }
 
 void Contender::build(int frame) {

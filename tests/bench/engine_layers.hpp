@@ -15,6 +15,7 @@ public:
     explicit EngineLayers(const SceneRenderer& renderer)
         : width_(renderer.plan().width), height_(renderer.plan().height),
           layers_(std::min(renderer.plan().layers, kLayers)) {
+        if (renderer.has(DGB_BACK)) { back_ = make_storage(GL_R32F); }
         for (int layer = 0; layer < layers_; ++layer) {
             for (size_t i = 0; i < kTargets.size(); ++i) {
                 textures_[size_t(layer)][i] = make_storage(kTargets[i].format);
@@ -28,11 +29,11 @@ public:
         for (int layer = 0; layer < layers_; ++layer) {
             for (size_t i = 0; i < kTargets.size(); ++i) {
                 const Target& target = kTargets[i];
-                const std::vector<float> pixels = renderer.read_texture(target.slot, layer, target.read_as);
-                glBindTexture(GL_TEXTURE_2D, textures_[size_t(layer)][i].name());
-                glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, target.channels, GL_FLOAT, pixels.data());
+                upload(textures_[size_t(layer)][i], target.channels,
+                       renderer.read_texture(target.slot, layer, target.read_as));
             }
         }
+        if (renderer.has(DGB_BACK)) { upload(back_, GL_RED, renderer.read_texture(DGB_BACK, 0, GL_DEPTH_COMPONENT)); }
         glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     }
 
@@ -55,6 +56,7 @@ public:
             handles.radiance[i] = dgbgl_texture(texture(DGB_RADIANCE, i));
             handles.velocity[i] = dgbgl_texture(texture(DGB_VELOCITY, i));
         }
+        handles.back = dgbgl_texture(back_.name());
         return handles;
     }
 
@@ -89,6 +91,12 @@ private:
         return texture;
     }
 
+    void upload(const GlObject& texture, GLenum channels, const std::vector<float>& pixels) const {
+        glBindTexture(GL_TEXTURE_2D, texture.name());
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, channels, GL_FLOAT, pixels.data());
+    }
+
     int width_, height_, layers_;
     std::array<std::array<GlObject, kTargets.size()>, kLayers> textures_;
+    GlObject back_; // none where the renderer draws no back faces
 };

@@ -26,7 +26,7 @@ no_egl() { (export __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null && "$@"); }
 
 options='out size guard layers separation oracle emit effects preset samples radius ao-samples ao-radius
          camera sun point sky probe ortho exposure profile frames orbit clip dump json plan help divisor time fps
-         reflect-steps reflect-distance reflect-thickness tracer roughness'
+         reflect-steps reflect-distance reflect-thickness thickness-from tracer roughness'
 
 help_names_all() {
     no_egl "$render" --help >help || return 1
@@ -60,6 +60,11 @@ check "--plan of the linear tracer"          plan --effects reflect
 check "it has no ranges"                     plan_lacks range ranges
 check "--plan of the hierarchical tracer"    plan --effects reflect --tracer hierarchical
 check "it names its pass and texture"        plan_names range ranges
+check "its bytes add up"                     plan_adds_up
+check "--plan of layers that end surfaces"   plan --effects reflect
+check "it has no back faces"                 plan_lacks back
+check "--plan of back faces that do"         plan --effects reflect --thickness-from back
+check "it names their pass and texture"      plan_names back
 check "its bytes add up"                     plan_adds_up
 check "--plan of PREDICT and image emission"  plan --oracle predict --emit image --layers 4 --size 160x90
 check "it names their passes and textures"   plan_names predict image resolve key predicted
@@ -113,6 +118,7 @@ refused_values --exposure    nan 31 bright
 refused_values --reflect-steps     0 -1 4097 1.5 many ''
 refused_values --reflect-distance  0 -1 nan inf far ''
 refused_values --reflect-thickness 0 -1 nan inf thick ''
+refused_values --thickness-from    backs 1 ''
 refused_values --tracer      fast 1 ''
 refused_values --roughness   -0.1 1.1 nan inf rough ''
 refused_values --frames      0 -1 1.5 few
@@ -444,6 +450,8 @@ thicker() { grows "$(hits --reflect-thickness 0.01)" "$(hits --reflect-thickness
 check "--reflect-steps: more hit more"         more_steps
 check "--reflect-distance: longer rays hit more" longer_rays
 check "--reflect-thickness: thicker surfaces are hit more" thicker
+measured() { grows "$(hits --reflect-thickness 4 --thickness-from back)" "$(hits --reflect-thickness 4)"; }
+check "--thickness-from back: surfaces that end are hit less" measured
 check "--preset quality, another picture"      another --preset quality
 check "--separation 3, another picture"        another --separation 3
 check "--samples 5, another picture"           another --samples 5

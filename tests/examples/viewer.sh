@@ -27,7 +27,7 @@ fi
 # >> without a window
 
 options='size guard layers separation oracle emit divisor effects preset samples radius ao-samples ao-radius camera sun point
-         sky probe exposure frames orbit clip time fps tracer roughness estimator slices thickness view split screenshot path left no-panel no-labels'
+         sky probe exposure frames orbit clip time fps tracer roughness estimator slices thickness thickness-from view split screenshot path left no-panel no-labels'
 
 help_names_all() {
     $viewer --help >"$dir/help" || return 1

@@ -590,6 +590,7 @@ static void test_timers(void** state) {
     (void)state;
     d.effects |= DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
     d.tracer = DGB_TRACER_HIERARCHICAL;
+    d.thickness = DGB_THICKNESS_BACK_FACES;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     program = fixture_program(&c);
     for (frame = 0; frame < 4; ++frame) {

@@ -15,6 +15,8 @@
 #define PI 3.14159265358979323846
 
 static fixture f;
+static dgb_thickness thickness_from; /* of every context */
+static double back_behind;           /* the panes of bodies, m: where their back faces are */
 
 /* >> scenes: panes that are traced into the layers, the eye at the origin, looking down -Z */
 
@@ -102,6 +104,7 @@ static scene open_scene(int width, int height, int layers, uint32_t effects, dgb
     s.params.min_level = 0;
     d = images_desc(&s.m, 0, layers, effects, &f.gl.backend);
     d.estimator = estimator;
+    d.thickness = thickness_from;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
@@ -243,6 +246,19 @@ static void test_planes_are_open(void** state) {
 
 /* >> visibility beside bodies of known shape */
 
+static void put_backs(scene* s, const body* bodies, int count) {
+    static const double eye[3] = {0.0, 0.0, 0.0};
+    int x, y, i;
+    for (y = 0; y < s->m.height; ++y)
+        for (x = 0; x < s->m.width; ++x)
+            for (i = 0; i < count; ++i) {
+                double way[3], t;
+                ray_of(s, x, y, way);
+                t = meet(bodies[i].front, eye, way);
+                if (t > 0.0) s->m.back[y * s->m.width + x] = images_depth(t + back_behind);
+            }
+}
+
 /* A wall that faces the eye at 5 m, panes before it. Compared at pixels of the middle row that see the wall, averaged over frames.
    The bounds: the panes' borders are known to half a pixel, 2 cm, of a hemisphere of 0.6 to 1.5 m; a step up to 16 pixels
    away is of one pixel, and farther ones of two and four. Over all pixels half of that cancels. */
@@ -260,6 +276,7 @@ static void check_bodies(const char* name, int layers, const body* bodies, int c
     s.params.ao_samples = 96;
     s.params.thickness = thickness;
     trace(&s, all, count + 1);
+    put_backs(&s, bodies, count);
     open = mean_of(&s, DGB_AO_RAW, 64);
     for (x = 50; x < 143; x += 4) {
         double point[3], truth, error;
@@ -294,6 +311,31 @@ static void test_bodies(void** state) {
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
+/* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its back is drawn,
+   but for a quarter of the most, and goes as far as the second layer at the latest, which is the wall. */
+static void test_thickness(void** state) {
+    static const pane front = {{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0};
+    static const struct {
+        const char* name;
+        dgb_thickness from;
+        int layers;
+        double back, most, thickness; /* the last is what comes of it */
+    } cases[] = {{"constant", DGB_THICKNESS_CONSTANT, 2, 0.2, 0.6, 0.6},
+                 {"to the second layer", DGB_THICKNESS_LAYERS, 2, 0.2, 2.0, 0.6},
+                 {"back faces of 0.2 m", DGB_THICKNESS_BACK_FACES, 2, 0.2, 0.6, 0.2},
+                 {"back faces of 0.4 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.4, 1.0, 0.4},
+                 {"back faces of 0.01 m, one layer", DGB_THICKNESS_BACK_FACES, 1, 0.01, 0.8, 0.2}};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const body slab = {&front, cases[i].thickness};
+        thickness_from = cases[i].from;
+        back_behind = cases[i].back;
+        check_bodies(cases[i].name, cases[i].layers, &slab, 1, (float)cases[i].most, 0.03, 0.01);
+    }
+    thickness_from = DGB_THICKNESS_LAYERS;
+}
+
 /* A pane that glows towards the eye hangs before a wall: the wall sees its back. */
 static void test_back_of_a_lamp(void** state) {
     const pane panes[] = {{{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0},
@@ -313,6 +355,101 @@ static void test_back_of_a_lamp(void** state) {
         free(light);
         close_scene(&s);
     }
+}
+
+/* >> bent directions */
+
+/* As true_visibility, the mean of the open directions, camera space. */
+static void true_bent(const double x[3], const body* b, double radius, double bent[3]) {
+    enum { TURNS = 256, RINGS = 64 };
+    int turn, ring, k;
+    memset(bent, 0, 3 * sizeof *bent);
+    for (turn = 0; turn < TURNS; ++turn)
+        for (ring = 0; ring < RINGS; ++ring) {
+            const double sine2 = (ring + 0.5) / RINGS, angle = 2.0 * PI * (turn + 0.5) / TURNS;
+            const double way[3] = {sqrt(sine2) * cos(angle), sqrt(sine2) * sin(angle), sqrt(1.0 - sine2)};
+            for (k = 0; k < 3 && !hides(b, x, way, radius); ++k) bent[k] += way[k] / (TURNS * RINGS);
+        }
+}
+
+/* A turn of the world: its rows are the camera's axes. */
+static void turn_view(scene* s, float turned[3][3]) {
+    static const float rows[3][3] = {{0.36f, 0.48f, -0.8f}, {-0.8f, 0.6f, 0.0f}, {0.48f, 0.64f, 0.6f}};
+    int i, k;
+    memcpy(turned, rows, sizeof rows);
+    for (i = 0; i < 3; ++i)
+        for (k = 0; k < 3; ++k) s->view.view[4 * k + i] = rows[i][k];
+}
+
+/* An open wall: 2/3 of its normal, in every frame and after both filters, within some ulps of halves; and all of it. */
+static void test_open_is_the_normal(void** state) {
+    const dgb_slot slots[] = {DGB_BENT_RAW, DGB_BENT_MEAN, DGB_BENT};
+    const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
+    scene s = open_scene(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    float rows[3][3];
+    int slot, i, k;
+    (void)state;
+    turn_view(&s, rows);
+    trace(&s, &wall, 1);
+    for (i = 0; i < 3; ++i) shade(&s);
+    for (slot = 0; slot < 3; ++slot) {
+        float* bent = read_image(&s, slots[slot], 4);
+        for (i = 0; i < 97 * 71; ++i) {
+            for (k = 0; k < 3; ++k) assert_true(fabsf(bent[4 * i + k] - 2.0f / 3.0f * rows[2][k]) < 1e-3f);
+            assert_true(bent[4 * i + 3] == 1.0f);
+        }
+        free(bent);
+    }
+    close_scene(&s);
+}
+
+/* Beside the bodies of test_bodies, an average of so many frames against rays; bounds as there. The filter of one tap hands on what
+   the temporal filter has, and sky is open to nowhere. */
+static void test_bent_beside_a_body(void** state) {
+    static const pane panes[] = {{{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
+                                 {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 52.0, 0.0}, 0.0}};
+    static const body thick = {&panes[0], 0.4};
+    scene s = open_scene(193, 145, 1, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    float rows[3][3], *bent, *mean, *frames;
+    double worst = 0.0, sum[3] = {0.0, 0.0, 0.0}, aside = 0.0;
+    int x, i, k, frame, compared = 0;
+    (void)state;
+    turn_view(&s, rows);
+    s.params.ao_radius = 1.5f;
+    s.params.ao_samples = 96;
+    s.params.thickness = 0.4f;
+    s.params.filter_taps = 1;
+    s.params.history_weight = 0.98f;
+    trace(&s, panes, 2);
+    for (frame = 0; frame < 64; ++frame) shade(&s);
+    bent = read_image(&s, DGB_BENT, 4);
+    mean = read_image(&s, DGB_BENT_MEAN, 4);
+    frames = read_image(&s, DGB_FRAMES, 4);
+    for (i = 0; i < 4 * 193 * 145; ++i) assert_true(fabsf(bent[i] - mean[i]) <= 1e-3f);
+    for (k = 0; k < 4; ++k) assert_true(bent[4 * (144 * 193 + 10) + k] == (k < 3 ? 0.0f : 1.0f));
+    for (x = 50; x < 143; x += 4) {
+        double point[3], truth[3];
+        if (fabs((double)*images_at(&s.m, IMAGE_DEPTH, 0, x, 72) - (double)images_depth(5.0)) > 1e-6) continue;
+        point_on(&s, &panes[1], x, 72, point);
+        true_bent(point, &thick, 1.5, truth);
+        for (i = 0; i < 3; ++i) {
+            double value = 0.0;
+            for (k = 0; k < 3; ++k) value += (double)rows[i][k] * (double)bent[4 * (72 * 193 + x) + k];
+            worst = fmax(worst, fabs(value - truth[i]));
+            sum[i] += value - truth[i];
+        }
+        aside = fmin(aside, truth[0]);
+        /* the share is the visibility, but for what bytes and halves round */
+        assert_true(fabsf(bent[4 * (72 * 193 + x) + 3] - frames[4 * (72 * 193 + x)]) < 3e-3f);
+        ++compared;
+    }
+    print_message("bent: %d points, %.3f aside, error %.4f at most, %+.4f %+.4f %+.4f on average\n", compared, aside,
+                  worst, sum[0] / compared, sum[1] / compared, sum[2] / compared);
+    assert_true(compared >= 10 && aside < -0.1);
+    assert_true(worst < 0.03);
+    for (i = 0; i < 3; ++i) assert_true(fabs(sum[i] / compared) < 0.01);
+    free(bent), free(mean), free(frames);
+    close_scene(&s);
 }
 
 /* >> light */
@@ -447,9 +584,11 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planes_are_open), cmocka_unit_test(test_bodies),      cmocka_unit_test(test_glowing_wall),
-        cmocka_unit_test(test_back_of_a_lamp),  cmocka_unit_test(test_hidden_lamp), cmocka_unit_test(test_any_image),
-        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_open_is_the_normal), cmocka_unit_test(test_bent_beside_a_body),
+        cmocka_unit_test(test_planes_are_open),    cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_thickness),          cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),     cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_any_image),          cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
 }

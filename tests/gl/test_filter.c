@@ -28,14 +28,14 @@ static void replace(dgb_slot slot, GLenum format, const float* texels) {
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-static void planting_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result planting_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->id == DGB_PASS_RECONSTRUCT && planted.c) {
         replace(DGB_AO_RAW, GL_RED, planted.ao);
         replace(DGB_IRRADIANCE_RAW, GL_RGBA, planted.light[0]);
         replace(DGB_IRRADIANCE1_RAW, GL_RGBA, planted.light[1]);
         planted.c = NULL;
     }
-    f.gl.backend.pass_begin(user, pass);
+    return f.gl.backend.pass_begin(user, pass);
 }
 
 /* >> a bench: surfaces and light in, filtered light out */

@@ -61,6 +61,10 @@ static void put(images* m, const camera* c, const dgb_view* view, int layer, int
     radiance[0] = (float)(x % 97), radiance[1] = (float)(y % 97), radiance[2] = (float)(layer + 1);
 }
 
+static void put_back(images* m, const camera* c, const dgb_view* view, int x, int y, double distance) {
+    m->back[y * m->width + x] = distance > 0.0 ? depth_of(c, view, distance) : c->reversed ? 0.0f : 1.0f;
+}
+
 typedef enum relief { /* from smooth to nothing but edges */
                       FLOOR,
                       BLOCKS,
@@ -82,6 +86,7 @@ static void put_texel(images* m, const camera* c, const dgb_view* view, int x, i
     float n[3] = {0.0f, 1.0f, 0.1f};
     if (kind == NOISE || before > 0.0) random_normal(n);
     put(m, c, view, 0, x, y, before > 0.0 ? before : floor, n);
+    put_back(m, c, view, x, y, before > 0.0 && random_unit() < 0.7 ? before + 0.8 * random_unit() : 0.0);
     put(m, c, view, 1, x, y, before > 0.0 && random_unit() < 0.9 ? behind : 0.0, n);
 }
 
@@ -120,6 +125,7 @@ static void open_pair(pair* p, const camera* c, int width, int height, int guard
         d.reversed = c->reversed;
         d.clip = c->clip;
         d.tracer = (dgb_tracer)tracer;
+        d.thickness = (dgb_thickness)((layers + width) % DGB_THICKNESS_COUNT);
         assert_int_equal(dgb_init(&p->contexts[tracer], &d), DGB_OK);
     }
 }

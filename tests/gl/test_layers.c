@@ -15,6 +15,8 @@ enum { WIDTH = 200, HEIGHT = 120, GUARD = 16 };
 static fixture f;
 
 typedef struct built { /* everything one build wrote */
+    dgb_camera camera;
+    float* back; /* camera z, 0 where there is none; null where nobody asked */
     int width, height, layers, divisor;
     float* z[DGB_MAX_LAYERS];          /* camera z, 0 where empty */
     float* targets[DGB_MAX_LAYERS][4]; /* albedo, normal, radiance, velocity */
@@ -34,10 +36,15 @@ static built read_layers(const dgb_context* c) {
                                                                  : 0.0f;
     int layer, target, i;
     memset(&b, 0, sizeof b);
+    b.camera = c->camera;
     b.width = c->plan.width;
     b.height = c->plan.height;
     b.layers = c->plan.layers;
     b.divisor = c->desc.divisor;
+    if (dgb_get_texture(c, DGB_BACK).id)
+        b.back = fixture_read(dgb_get_texture(c, DGB_BACK), 0, 0, b.width, b.height, 0, GL_DEPTH_COMPONENT, 1);
+    for (i = 0; b.back && i < b.width * b.height; ++i)
+        b.back[i] = dgb_linear_z(dgb_depth_code(b.back[i], codes), &c->camera);
     for (layer = 0; layer < b.layers; ++layer) {
         b.z[layer] =
             fixture_read(dgb_get_texture(c, DGB_DEPTH), 0, layer, b.width, b.height, b.layers, GL_DEPTH_COMPONENT, 1);
@@ -53,6 +60,7 @@ static built read_layers(const dgb_context* c) {
 
 static void free_layers(built* b) {
     int layer, target;
+    free(b->back);
     for (layer = 0; layer < b->layers; ++layer) {
         free(b->z[layer]);
         for (target = 0; target < 4; ++target) free(b->targets[layer][target]);
@@ -107,6 +115,7 @@ typedef struct setup {
     bool knows_next;                                   /* the next view is told, not guessed */
     int divisor;
     float separation;
+    bool back; /* faces are drawn */
     fixture_view view;
 } setup;
 
@@ -133,6 +142,7 @@ static dgb_desc desc_of(const setup* s) {
     d.oracle = s->oracle;
     d.emission = s->emission;
     d.depth_format = s->depth_format;
+    if (s->back) d.thickness = DGB_THICKNESS_BACK_FACES, d.effects = DGB_EFFECT_REFLECT; /* which reads them */
     d.clip = s->view.clip;
     d.reversed = s->view.reversed;
     d.backend = &f.gl.backend;
@@ -395,6 +405,141 @@ static void test_k_layers(void** state) {
             }
 }
 
+/* >> back faces, against layers peeled by no separation, which hold every surface there is: the nearest behind the first whose
+   normal faces away */
+
+/* The first of such layers at a texel that shows its back; 0: none. */
+static int back_layer(const built* b, int i) {
+    const float x = ((float)(i % b->width) + 0.5f) * (float)b->divisor;
+    const float y = ((float)(i / b->width) + 0.5f) * (float)b->divisor;
+    int layer;
+    for (layer = 1; layer < b->layers && b->z[layer][i] != 0.0f; ++layer) {
+        float point[3], n[3], view[3] = {0.0f, 0.0f, -1.0f};
+        const float* bytes = b->targets[layer][1] + 4 * i;
+        dgb_position(x, y, b->z[layer][i], &b->camera, point);
+        dgb_oct16_decode((uint16_t)((int)(bytes[0] * 255.0f + 0.5f) | (int)(bytes[1] * 255.0f + 0.5f) << 8), n);
+        if (b->camera.footprint[1] != 0.0f) memcpy(view, point, sizeof view);
+        if (n[0] * view[0] + n[1] * view[1] + n[2] * view[2] > 0.0f) return layer;
+    }
+    return 0;
+}
+
+/* A bottom of a box lies in the floor, which comes first and shows its front: there the back may be nearer than any that the
+   layers show, and as far as the floor, whose height is 0. */
+static bool is_on_floor(const built* b, int i, const fixture_view* v) {
+    float point[3];
+    dgb_position(((float)(i % b->width) + 0.5f) * (float)b->divisor, ((float)(i / b->width) + 0.5f) * (float)b->divisor,
+                 b->back[i], &b->camera, point);
+    return fabsf(point[1] + v->eye[1]) < 1e-3f;
+}
+
+/* tolerance: relative, of depth; 0: the same bits. Texels whose last layer is full may have a back face beyond it. */
+static void check_back_faces(setup s, int frames, int late, float tolerance) {
+    setup peel = s;
+    const fixture_view v = s.view;
+    built a, b;
+    int i, found = 0, floors = 0, none = 0, wrong = 0, unknown = 0;
+    s.back = true;
+    peel.oracle = DGB_ORACLE_PEEL, peel.emission = DGB_EMISSION_AUTO;
+    peel.layers = DGB_MAX_LAYERS;
+    peel.separation = 0.0f;
+    a = build_frames(&s, frames);
+    b = build_frames(&peel, frames - late);
+    a.divisor = b.divisor = s.divisor > 1 ? s.divisor : 1;
+    for (i = 0; i < a.width * a.height; ++i) {
+        const int layer = back_layer(&b, i);
+        const float z = layer ? b.z[layer][i] : 0.0f;
+        if (!layer && b.z[DGB_MAX_LAYERS - 1][i] != 0.0f)
+            ++unknown;
+        else if (fabsf(a.back[i] - z) <= tolerance * fabsf(z))
+            ++*(layer ? &found : &none);
+        else if (a.back[i] != 0.0f && (!layer || a.back[i] > z) && is_on_floor(&a, i, &v))
+            ++floors;
+        else
+            ++wrong;
+    }
+    if (wrong) printf("# %d right, %d none, %d floors, %d wrong, %d unknown\n", found, none, floors, wrong, unknown);
+    assert_int_equal(wrong, 0);
+    assert_true(found > WIDTH * HEIGHT / 10 / (a.divisor * a.divisor) && unknown < found / 10);
+    free_layers(&a);
+    free_layers(&b);
+}
+
+static void test_back_faces(void** state) {
+    static const dgb_emission emissions[] = {DGB_EMISSION_SEPARATE, DGB_EMISSION_VERTEX, DGB_EMISSION_IMAGE,
+                                             DGB_EMISSION_GEOMETRY, DGB_EMISSION_INSTANCED_GEOMETRY};
+    int e;
+    setup s;
+    (void)state;
+    for (e = 0; e < 5; ++e) /* geometry shaders move the last bits */
+        check_back_faces(default_setup(DGB_ORACLE_REPROJECT, emissions[e]), 2, 0, e < 3 ? 0.0f : 1e-4f);
+    s = default_setup(DGB_ORACLE_PEEL, DGB_EMISSION_AUTO);
+    s.layers = 1;
+    check_back_faces(s, 1, 0, 0.0f);
+    s.view.eye[2] = -18.0f, s.view.yaw = 3.14159265f; /* from behind the wall, whose back is the first layer */
+    check_back_faces(s, 1, 0, 0.0f);
+    s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
+    s.divisor = 2;
+    check_back_faces(s, 2, 0, 0.0f);
+    s = default_setup(DGB_ORACLE_WARP, DGB_EMISSION_VERTEX);
+    s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE;
+    s.depth_format = DGB_FORMAT_D24;
+    check_back_faces(s, 2, 0, 0.0f);
+    s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_VERTEX);
+    s.view.fov = 0.0f;
+    check_back_faces(s, 2, 0, 0.0f);
+    s = default_setup(DGB_ORACLE_DELAY, DGB_EMISSION_IMAGE); /* of the pose that is drawn */
+    s.moving = true;
+    check_back_faces(s, 4, 1, 0.0f);
+    s = default_setup(DGB_ORACLE_PREDICT, DGB_EMISSION_VERTEX);
+    s.moving = true;
+    check_back_faces(s, 3, 0, 0.0f);
+}
+
+/* What the shading reads of them: at every pixel the texel that it lies in, unless that is not behind the pixel's own surface. */
+static void check_packed_back(int divisor) {
+    setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
+    dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    fixture_draw_user user = {0};
+    dgb_context c;
+    dgb_desc d;
+    dgb_view view = view_at(&s, 0);
+    built b;
+    float* z;
+    int x, y, kept = 0, wrong = 0;
+    s.back = true;
+    s.divisor = divisor;
+    d = desc_of(&s);
+    user.f = &f;
+    assert_int_equal(dgb_init(&c, &d), DGB_OK);
+    user.program = fixture_program(&c);
+    assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
+    assert_int_equal(dgb_shade(&c, &q), DGB_OK);
+    b = read_layers(&c);
+    z = fixture_read(dgb_get_texture(&c, DGB_Z), 0, 0, b.width, b.height, 0, GL_RGBA, 4);
+    for (y = 0; y < b.height; ++y)
+        for (x = 0; x < b.width; ++x) {
+            const int i = y * b.width + x;
+            const float back = b.back[y / divisor * b.width + x / divisor];
+            const bool keep = dgb_keep_test(back, b.z[0][i], 0.0f);
+            const float expected = keep ? back : DGB_EMPTY_Z;
+            kept += keep;
+            wrong += fabsf(z[4 * i + 2] - expected) > 1e-6f * fabsf(expected); /* z by the shader's arithmetic */
+        }
+    assert_true(kept > WIDTH * HEIGHT / 10);
+    assert_int_equal(wrong, 0);
+    free(z);
+    free_layers(&b);
+    glDeleteProgram(user.program);
+    dgb_shutdown(&c);
+}
+
+static void test_packed_back(void** state) {
+    (void)state;
+    check_packed_back(1);
+    check_packed_back(2);
+}
+
 /* With motion an oracle errs, but REPROJECT less than PREVIOUS; layer 0 is never touched. */
 static void test_motion(void** state) {
     static const dgb_oracle oracles[] = {DGB_ORACLE_PEEL, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS};
@@ -548,6 +693,8 @@ int main(void) {
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_conventions),
         cmocka_unit_test(test_k_layers),
+        cmocka_unit_test(test_back_faces),
+        cmocka_unit_test(test_packed_back),
         cmocka_unit_test(test_motion),
         cmocka_unit_test(test_warp_moving_camera),
         cmocka_unit_test(test_submissions),

@@ -16,6 +16,7 @@
 
 static fixture f;
 static dgb_tracer tracer; /* of every context; all tests run with each */
+static dgb_thickness thickness_from;
 
 static const double radian = 3.14159265358979323846 / 180.0;
 
@@ -62,6 +63,7 @@ static stage open_stage(const setup* p) {
     d.reversed = p->reversed;
     d.clip = p->clip;
     d.tracer = tracer;
+    d.thickness = thickness_from;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
@@ -535,6 +537,47 @@ static void test_thickness(void** state) {
     }
 }
 
+/* Depth of back faces behind the sheet, camera z; 0: none. */
+static void put_back(stage* s, double z) {
+    const float* p = s->view.projection;
+    int x, y;
+    for (y = LOW; y < HIGH; ++y)
+        for (x = LEFT; x < RIGHT; ++x)
+            s->m.back[y * s->m.width + x] = z < 0.0 ? (float)((double)p[14] / -z - (double)p[10]) : 0.0f; /* 0 to 1 */
+}
+
+/* What is told about back faces ends the sheet, by either layer count: rays pass behind a plate, and meet a block. */
+static void test_back_faces(void** state) {
+    const plane sheet = plane_of(-4.0, 90.0, 0.0);
+    static const struct {
+        double back;
+        bool met; /* 1.7 to 2.5 m behind the lower edge */
+    } cases[] = {{0.0, true}, {-4.1, false}, {-5.0, false}, {-6.9, true}, {-9.0, true}, {-3.9, true}, {-4.0, true}};
+    setup p = plain;
+    plane planes[2];
+    int layers, counts[3];
+    size_t i;
+    (void)state;
+    thickness_from = DGB_THICKNESS_BACK_FACES;
+    floor_and_wall(planes);
+    for (layers = 1; layers <= 2; ++layers) {
+        stage s;
+        p.layers = layers;
+        s = open_stage(&p);
+        s.params.separation = 0.1f;
+        s.params.reflect_thickness = 3.0f;
+        put_sheet(&s, planes, &sheet, NULL);
+        for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) { /* the last two are no back faces behind the sheet */
+            put_back(&s, cases[i].back);
+            count_sheet(&s, planes, -4.9, -4.05, counts);
+            assert_true(cases[i].met ? counts[1] > 20 : counts[1] == 0);
+            assert_int_equal(counts[2], 0);
+        }
+        close_stage(&s);
+    }
+    thickness_from = DGB_THICKNESS_LAYERS;
+}
+
 /* >> limits of a ray */
 
 /* The mirror of `test_mirror` under other limits: of every hit, the texel is near enough, and beyond it all miss. */
@@ -918,10 +961,14 @@ static void test_any_input(void** state) {
     (void)state;
     floor_and_wall(planes);
     for (i = 0; i < sizeof setups / sizeof setups[0]; ++i) {
-        stage s = open_stage(&setups[i]);
+        stage s;
+        thickness_from = DGB_THICKNESS_BACK_FACES;
+        s = open_stage(&setups[i]);
+        thickness_from = DGB_THICKNESS_LAYERS;
         for (frame = 0; frame < 16; ++frame) {
             result r;
             put_planes(&s, planes, 2);
+            for (k = 0; k < s.m.width * s.m.height; ++k) s.m.back[k] = frame % 4 ? random_unit() : random_pattern();
             for (kind = 0; kind < IMAGE_KINDS; ++kind)
                 for (l = 0; l < 2; ++l)
                     for (k = 0; k < (kind == IMAGE_DEPTH ? 1 : 3) * s.m.width * s.m.height; ++k) {
@@ -952,6 +999,7 @@ int main(void) {
         cmocka_unit_test(test_no_self_hits),
         cmocka_unit_test(test_second_layer),
         cmocka_unit_test(test_thickness),
+        cmocka_unit_test(test_back_faces),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_strides),
         cmocka_unit_test(test_border),

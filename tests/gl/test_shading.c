@@ -51,13 +51,13 @@ static void replace_image(dgb_slot slot, GLenum format, const float* texels) {
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-static void replacing_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result replacing_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->id == DGB_PASS_RECONSTRUCT && raw_context) {
         replace_image(DGB_AO_RAW, GL_RED, raw_ao);
         replace_image(DGB_IRRADIANCE_RAW, GL_RGBA, raw_irradiance);
         raw_context = NULL;
     }
-    f.gl.backend.pass_begin(user, pass);
+    return f.gl.backend.pass_begin(user, pass);
 }
 
 /* >> one image: how it is made, and everything the passes wrote */

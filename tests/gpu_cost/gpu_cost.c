@@ -33,6 +33,26 @@ static int define_of(const dgb_program_desc* p, const char* name) {
     return 0;
 }
 
+/* The two estimators share the passes; only the bitmask's programs have the define, whatever its value. */
+static bool is_bitmask(const dgb_program_desc* p) {
+    int i;
+    for (i = 0; i < p->define_count; ++i)
+        if (strcmp(p->defines[i].name, "DGB_BITMASK_LIGHT") == 0) return true;
+    return false;
+}
+
+/* For each layer that receives: slices, to both sides, and within them the steps of all. */
+static int find_bitmask_trips(const dgb_program_desc* p, const dgb_params* q, double trips[ISA_MAX_LOOPS]) {
+    const int receivers = 1 + define_of(p, "DGB_DEEP"), sides = 2 * q->slices;
+    const int taps = p->pass == DGB_PASS_AO ? q->ao_samples : q->samples;
+    int k;
+    for (k = 0; k < receivers; ++k) {
+        trips[2 * k] = sides;
+        trips[2 * k + 1] = sides * (taps > sides ? taps / sides : 1);
+    }
+    return 2 * receivers;
+}
+
 /* Trips of each loop of a pass in the order of the text, in all, and how many loops there are. The gather's taps have a
    loop for each thing that the second layer may be in a tile: receiver, sender, of no matter; those of occlusion have one,
    and a branch within it. all: it is all that this variant knows; else it is of no matter. */
@@ -41,6 +61,7 @@ static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, 
     const int step = define_of(p, "DGB_TILES_STEP");
     const int tap_loops = p->pass == DGB_PASS_AO ? 1 : layers + deep;
     int count = 0, k;
+    if (is_bitmask(p)) return find_bitmask_trips(p, q, trips);
     switch (p->pass) {
     case DGB_PASS_TILES:
         if (step == 0) trips[count++] = 1 << 4; /* rows of pixels; those of a row are unrolled */
@@ -97,7 +118,8 @@ static void name_variant(const dgb_program_desc* p, char* name, size_t capacity)
     char* c;
     for (i = 0; i < p->define_count; ++i) {
         const dgb_define d = p->defines[i];
-        const bool says_nothing = d.value == 0 && strcmp(d.name, "DGB_TILES_STEP") != 0;
+        const bool says_nothing =
+            d.value == 0 && strcmp(d.name, "DGB_TILES_STEP") && strcmp(d.name, "DGB_BITMASK_LIGHT");
         if (says_nothing || strcmp(d.name, "DGB_DIVISOR") == 0) continue;
         used += (size_t)snprintf(name + used, capacity - used, " %s=%d", d.name + strlen("DGB_"), d.value);
     }
@@ -206,6 +228,10 @@ typedef struct figures { /* for 64 pixels, fetches and bytes for one */
 /* Loops whose count of trips is a constant may have been unrolled. */
 static bool may_unroll(dgb_pass_id pass) { return pass == DGB_PASS_TILES || pass == DGB_PASS_TEMPORAL; }
 
+/* Whether all branches are those that look at the second layer, which a tile where it is of no matter skips. The bitmask has
+   others as well: what it saves there is not told. */
+static bool tile_branches(const dgb_program_desc* p) { return p->pass == DGB_PASS_AO && !is_bitmask(p); }
+
 static figures figures_of(const variant* v, const dgb_params* q, bool all) {
     double trips[ISA_MAX_LOOPS] = {0};
     const int loops = find_trips(v->program, q, all, trips), found = v->isa.loop_count;
@@ -215,8 +241,7 @@ static figures figures_of(const variant* v, const dgb_params* q, bool all) {
     if (found != loops && !(found == 0 && may_unroll(v->program->pass)))
         fail(v->name, "the code has other loops than find_trips knows of");
     work = isa_sum(&v->isa, trips);
-    /* a tile where the second layer is of no matter skips the branch that looks at it */
-    f.cycles = isa_busy_cycles(&work) - (!all && v->program->pass == DGB_PASS_AO ? work.skippable : 0);
+    f.cycles = isa_busy_cycles(&work) - (!all && tile_branches(v->program) ? work.skippable : 0);
     f.skippable = work.cycles[ISA_VECTOR] > 0 ? work.skippable / work.cycles[ISA_VECTOR] : 0;
     for (i = 0; i < ISA_MAX_TEXTURES; ++i) {
         if (work.fetches[i] > 0 && v->texel_bytes[i] == 0) fail(v->name, "it fetches from what the plan does not bind");
@@ -349,6 +374,10 @@ static void add_all(table* t) {
             for (e = 0; e < sizeof effects / sizeof effects[0]; ++e) {
                 int senders;
                 desc.effects = effects[e];
+                desc.estimator = DGB_ESTIMATOR_BITMASK;
+                desc.senders = DGB_SENDERS_BOTH;
+                add_pass(t, &desc, passes[p]);
+                desc.estimator = DGB_ESTIMATOR_PAPER;
                 for (senders = 0; senders < (desc.layers > 1 ? DGB_SENDERS_COUNT : 1); ++senders) {
                     desc.senders = (dgb_senders)senders;
                     add_pass(t, &desc, passes[p]);

@@ -458,8 +458,6 @@ void test_separation(void**) {
 // ---- Materials and lights -------------------------------------------------------------------------------
 
 constexpr double kOct16Radians = 0.957 * 3.14159265 / 180.0; // its worst error
-// Without a normal texture the examples read 128 of 255, which is 1/255 of a unit vector off along both axes.
-constexpr double kFlatTextureRadians = 1.42 / 255.0;
 // Half a code of storage, and as much for the driver's own way from sRGB to linear.
 constexpr double kAlbedo = 1.0 / 255.0;
 
@@ -521,7 +519,7 @@ void test_zoo(void**) {
                 }
                 const vec3 n = glm::mat3(view.view) * surface.normal;
                 const vec3 stored(d.normal[3 * i], d.normal[3 * i + 1], d.normal[3 * i + 2]);
-                normal.add(double(glm::distance(n, stored)), kOct16Radians + kFlatTextureRadians);
+                normal.add(double(glm::distance(n, stored)), kOct16Radians);
             }
             // shadow maps blur
             if (!traced[0][i].found() || on_edge(view, i, 4, light_differs)) { continue; }
@@ -670,8 +668,7 @@ void test_mirror_of_buffers(void**) {
         position.add(apart, 0.01);
         // a reflected ray turns twice as far as the normal
         if (of_exact[i].state == MirrorState::none || of_stored[i].state == MirrorState::none) { continue; }
-        angle.add(double(glm::distance(of_stored[i].direction, of_exact[i].direction)),
-                  2.0 * (kOct16Radians + kFlatTextureRadians));
+        angle.add(double(glm::distance(of_stored[i].direction, of_exact[i].direction)), 2.0 * kOct16Radians);
         hits += of_exact[i].state == MirrorState::hit;
         same_part += of_exact[i].state == MirrorState::hit && of_exact[i].surface.part == of_stored[i].surface.part;
     }

@@ -44,14 +44,15 @@ typedef struct variant { /* of the snippets */
     dgb_emission emission;
     int version;
     bool es, interlock;
+    bool back; /* faces: even one layer is compared with */
     int layers, divisor;
     uint32_t targets; /* 0: all */
 } variant;
 
 static void name_variant(const variant* v, char* name, size_t capacity) {
-    snprintf(name, capacity, "layers_%s%d_%s_k%d_divisor%d%s_targets%u", v->es ? "es" : "gl", v->version,
-             dgb_emission_name(v->emission), v->layers, v->divisor, v->interlock ? "_interlock" : "",
-             (unsigned)v->targets);
+    snprintf(name, capacity, "layers_%s%d_%s_k%d%s_divisor%d%s_targets%u", v->es ? "es" : "gl", v->version,
+             dgb_emission_name(v->emission), v->layers, v->back ? "_back" : "", v->divisor,
+             v->interlock ? "_interlock" : "", (unsigned)v->targets);
 }
 
 /* The reference compiler knows the interlock qualifiers from this version on, though the extension asks for less. */
@@ -84,6 +85,7 @@ static void write_snippets(const char* directory, const variant* v) {
     context.backend.user = &gl;
     context.initialised = DGBI_INITIALISED;
     context.textures[DGB_DEPTH].id = 1;
+    context.textures[DGB_BACK].id = v->back;
     name_variant(v, name, sizeof name);
     length = dgbgl_shader_prefix(&context, DGBGL_VERTEX, varyings, 2, text, sizeof text);
     length += (size_t)snprintf(text + length, sizeof text - length,
@@ -135,15 +137,33 @@ static void write_all_snippets(const char* directory) {
                 v.interlock = emissions[i].interlock;
                 v.layers = layers[k];
                 v.targets = targets[t];
+                v.back = layers[k] == 1 && t == 0;
                 for (v.divisor = 1; v.divisor <= (emissions[i].divides ? 2 : 1); ++v.divisor)
                     write_snippets(directory, &v);
             }
 }
 
+/* What BENT adds to programs, with and without light, a second layer and frames. */
+static void write_bent(const char* directory) {
+    static const uint32_t others[] = {0, DGB_EFFECT_RADIOSITY, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES};
+    int i, layers;
+    for (i = 0; i < 6; ++i)
+        for (layers = 1; layers <= 2; ++layers) {
+            dgb_desc desc;
+            memset(&desc, 0, sizeof desc);
+            desc.width = desc.height = 64;
+            desc.layers = layers;
+            desc.effects = DGB_EFFECT_AO | DGB_EFFECT_BENT | others[i / 2] | (i % 2 ? DGB_EFFECT_TEMPORAL : 0u);
+            desc.estimator = DGB_ESTIMATOR_BITMASK;
+            write_plan(directory, &desc);
+        }
+}
+
 int main(int argc, char** argv) {
-    int effects, layers, normals, senders;
+    int effects, layers, normals, senders, thickness;
     dgb_plan plan;
     if (argc != 2) return 2;
+    write_bent(argv[1]);
     for (effects = 1; effects < 64; ++effects)
         for (layers = 1; layers <= 2; ++layers) {
             dgb_desc desc;
@@ -157,7 +177,11 @@ int main(int argc, char** argv) {
                     desc.senders = (dgb_senders)senders;
                     write_plan(argv[1], &desc);
                     desc.estimator = DGB_ESTIMATOR_BITMASK;
-                    write_plan(argv[1], &desc);
+                    for (thickness = 0; thickness < DGB_THICKNESS_COUNT; ++thickness) {
+                        desc.thickness = (dgb_thickness)thickness;
+                        write_plan(argv[1], &desc);
+                    }
+                    desc.thickness = DGB_THICKNESS_LAYERS;
                     desc.estimator = DGB_ESTIMATOR_PAPER;
                 }
             desc.divisor = 1;

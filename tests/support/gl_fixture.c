@@ -289,6 +289,7 @@ static void set_offset(GLuint program, const char* name, float x) {
 
 static void draw_room(const fixture_draw_user* u, const dgb_draw* draw) {
     const fixture* f = u->f;
+    if (draw->back_faces) glEnable(GL_CULL_FACE), glCullFace(GL_FRONT); /* the library disables it again */
     glUseProgram(u->program);
     glBindVertexArray(f->vertex_array);
     set_matrix(u->program, "view", draw->view);

@@ -17,7 +17,9 @@ images images_open(int width, int height) {
         for (layer = 0; layer < 2; ++layer)
             m.texels[kind][layer] =
                 (float*)calloc((size_t)width * (size_t)height * (size_t)channels_of(kind), sizeof(float));
+    m.back = (float*)calloc((size_t)width * (size_t)height, sizeof(float));
     glGenTextures(2 * IMAGE_KINDS, m.textures[0]);
+    glGenTextures(1, &m.back_texture);
     return m;
 }
 
@@ -25,7 +27,9 @@ void images_close(images* m) {
     int kind, layer;
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer) free(m->texels[kind][layer]);
+    free(m->back);
     glDeleteTextures(2 * IMAGE_KINDS, m->textures[0]);
+    glDeleteTextures(1, &m->back_texture);
 }
 
 float* images_at(const images* m, image_kind kind, int layer, int x, int y) {
@@ -48,20 +52,24 @@ void images_fill(images* m, image_kind kind, const float color[3]) {
         for (i = 0; i < 3 * m->width * m->height; ++i) m->texels[kind][layer][i] = color[i % 3];
 }
 
+static dgb_texture upload(GLuint name, GLenum internal, GLenum format, const images* m, const float* texels) {
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, (GLint)internal, m->width, m->height, 0, format, GL_FLOAT, texels);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    return dgbgl_texture(name);
+}
+
 dgb_layers images_upload(const images* m) {
     dgb_texture given[IMAGE_KINDS][2];
     dgb_layers layers;
     int kind, layer;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
-        for (layer = 0; layer < 2; ++layer) {
-            const GLuint name = m->textures[kind][layer];
-            glBindTexture(GL_TEXTURE_2D, name);
-            glTexImage2D(GL_TEXTURE_2D, 0, kind == IMAGE_DEPTH ? GL_R32F : GL_RGB32F, m->width, m->height, 0,
-                         kind == IMAGE_DEPTH ? GL_RED : GL_RGB, GL_FLOAT, m->texels[kind][layer]);
-            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-            given[kind][layer] = dgbgl_texture(name);
-        }
+        for (layer = 0; layer < 2; ++layer)
+            given[kind][layer] = upload(m->textures[kind][layer], kind == IMAGE_DEPTH ? GL_R32F : GL_RGB32F,
+                                        kind == IMAGE_DEPTH ? GL_RED : GL_RGB, m, m->texels[kind][layer]);
+    memset(&layers, 0, sizeof layers);
+    layers.back = upload(m->back_texture, GL_R32F, GL_RED, m, m->back);
     glBindTexture(GL_TEXTURE_2D, 0);
     memcpy(layers.depth, given[IMAGE_DEPTH], sizeof layers.depth);
     memcpy(layers.normal, given[IMAGE_NORMAL], sizeof layers.normal);

@@ -17,6 +17,8 @@ typedef struct images {
     int width, height;             /* of the buffers */
     float* texels[IMAGE_KINDS][2]; /* of both layers; depth 1 float a texel, the others 3; all 0: empty */
     GLuint textures[IMAGE_KINDS][2];
+    float* back; /* depth of back faces behind the first layer, 1 float a texel; 0: none */
+    GLuint back_texture;
 } images;
 
 images images_open(int width, int height);

@@ -204,11 +204,12 @@ static void on_begin(void* user) {
     ++r->begins;
 }
 
-static void on_end(void* user) {
+static dgb_result on_end(void* user) {
     record_backend* r = self(user);
     check_in_frame(r, "end");
     if (r->in_pass) fail_msg("end inside of pass %s", dgb_pass_name(r->pass.id));
     ++r->ends;
+    return r->end_with;
 }
 
 static dgb_result on_texture_create(void* user, const dgb_texture_desc* desc, dgb_texture* texture) {
@@ -309,7 +310,7 @@ static void check_key(const record_backend* r, const dgb_pass* pass) {
 /* Layered passes give the deeper layers a viewport of their own, which no pass but those has. */
 static void check_deep_viewport(const record_backend* r, const dgb_pass* pass) {
     const dgb_texture_desc* t;
-    if (pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_PREDICT) {
+    if (pass->id != DGB_PASS_LAYERS && pass->id != DGB_PASS_BACK && pass->id != DGB_PASS_PREDICT) {
         if (pass->deep_width != 0.0f || pass->deep_height != 0.0f)
             fail_msg("pass %s has a second viewport", dgb_pass_name(pass->id));
         return;
@@ -320,12 +321,13 @@ static void check_deep_viewport(const record_backend* r, const dgb_pass* pass) {
         fail_msg("second viewport %g %g", (double)pass->deep_width, (double)pass->deep_height);
 }
 
-static void on_pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result on_pass_begin(void* user, const dgb_pass* pass) {
     record_backend* r = self(user);
     int i;
     check_in_frame(r, "pass_begin");
     if (r->in_pass) fail_msg("pass %s inside of a pass", dgb_pass_name(pass->id));
     if (pass->color_count < 0 || pass->color_count > DGB_MAX_TARGETS) fail_msg("%d targets", pass->color_count);
+    if (++r->passes == r->fail_pass_at) return r->fail_with;
     r->in_pass = true;
     r->pass = *pass;
     r->bind_count = 0;
@@ -349,6 +351,7 @@ static void on_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->reversed) record_printf(&r->trace, " reversed");
     if (pass->clip == DGB_CLIP_ZERO_TO_ONE) record_printf(&r->trace, " clip01");
     record_printf(&r->trace, "\n");
+    return DGB_OK;
 }
 
 /* Reading what is being written is undefined. Peeling reads layer j - 1 of the depth array while it writes
@@ -387,6 +390,7 @@ static void on_texture_bind(void* user, dgb_slot slot, dgb_texture texture, int 
 static size_t uniform_size(dgb_pass_id pass) {
     switch (pass) {
     case DGB_PASS_LAYERS:
+    case DGB_PASS_BACK:
     case DGB_PASS_PREDICT: return sizeof(dgb_draw_uniforms);
     case DGB_PASS_WARP: return sizeof(dgb_warp_uniforms);
     case DGB_PASS_RESOLVE: return sizeof(int32_t[4]);

@@ -54,7 +54,7 @@ typedef struct record_object {
 typedef struct record_uniforms {
     dgb_pass_id pass;
     union {
-        dgb_draw_uniforms draw; /* LAYERS and PREDICT */
+        dgb_draw_uniforms draw; /* LAYERS, BACK and PREDICT */
         dgb_warp_uniforms warp;
         int32_t resolve[4];
         dgb_pack_uniforms pack;
@@ -75,6 +75,9 @@ typedef struct record_backend {
     int creates;          /* calls of texture_create and program_create */
     int fail_at;          /* the create call, from 1, that fails; 0: none */
     dgb_result fail_with; /* DGB_OK: report success, but give no handle */
+    int passes;           /* calls of pass_begin */
+    int fail_pass_at;     /* the call of pass_begin, from 1, that fails with fail_with; 0: none */
+    dgb_result end_with;  /* what `end` tells */
     int begins, ends;     /* calls */
     record_object objects[RECORD_MAX_OBJECTS];
     int object_count;

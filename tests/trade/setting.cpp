@@ -77,6 +77,7 @@ bool has_second(const Setting& s) { return s.desc.layers > 1; }
 bool has_filter(const Setting& s) { return gathers(s) && s.params.filter_taps > 1; }
 bool is_averaged(const Setting& s) { return gathers(s) && s.condition.frames > 1; }
 bool is_bitmask(const Setting& s) { return gathers(s) && s.desc.estimator == DGB_ESTIMATOR_BITMASK; }
+bool has_thickness(const Setting& s) { return is_mirror(s) || is_bitmask(s); }
 bool is_papers_light(const Setting& s) { return is_light(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
 bool has_papers_occlusion(const Setting& s) { return is_occlusion(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
 bool has_papers_senders(const Setting& s) { return is_papers_light(s) && has_second(s); }
@@ -86,6 +87,9 @@ const char* senders_word(int v) { return v == DGB_SENDERS_BOTH ? "both" : "stron
 const char* normaliser_word(int v) { return v == DGB_NORMALISER_BOUNDED ? "bounded" : "paper"; }
 const char* estimator_word(int v) { return v == DGB_ESTIMATOR_PAPER ? "paper" : "bitmask"; }
 const char* baseline_word(int v) { return name_of(Baseline(v)); }
+const char* thickness_word(int v) {
+    return v == DGB_THICKNESS_LAYERS ? "layers" : v == DGB_THICKNESS_CONSTANT ? "constant" : "back";
+}
 const char* tracer_word(int v) { return v == DGB_TRACER_LINEAR ? "linear" : "hierarchical"; }
 
 // The bitmask's confidence is the share of the hemisphere itself.
@@ -119,7 +123,7 @@ std::vector<Parameter> make_parameters() {
                   normaliser_word),
         parameter("estimator", "b", {DGB_ESTIMATOR_PAPER, DGB_ESTIMATOR_BITMASK}, &D::estimator, gathers,
                   estimator_word),
-        // of one layer: named by the lists below, not drawn
+        // of one layer: for the lists below
         parameter("baseline", "a", {double(Baseline::none)}, &Setting::baseline, has_papers_occlusion, baseline_word),
         parameter("slices", "i", {1, 2, 4}, &Q::slices, is_bitmask),
         parameter("thickness", "h", {0.1, 0.25, 0.5, 1.0, 2.0}, &Q::thickness, is_bitmask),
@@ -127,6 +131,8 @@ std::vector<Parameter> make_parameters() {
         parameter("weight", "w", {0, 0.85, 0.95}, &Q::history_weight, is_averaged),
         parameter("stride", "p", {1, 2, 4, 8, 16}, &Q::reflect_stride, is_mirror),
         parameter("thickness", "h", {0.05, 0.1, 0.25, 0.5, 1.0, 2.0}, &Q::reflect_thickness, is_mirror),
+        parameter("thickness_from", "x", {DGB_THICKNESS_LAYERS, DGB_THICKNESS_CONSTANT, DGB_THICKNESS_BACK_FACES},
+                  &D::thickness, has_thickness, thickness_word),
         parameter("tracer", "l", {DGB_TRACER_LINEAR, DGB_TRACER_HIERARCHICAL}, &D::tracer, is_mirror, tracer_word),
     };
     for (Parameter& p : all) {
@@ -162,14 +168,16 @@ Setting vary(Setting setting, const std::vector<Choice>& choices) {
     return setting;
 }
 
-// One value of every parameter. All are drawn, so that what matters little does not change what comes after.
+// One value of every parameter but the radius, which is what is asked for, not how it is answered. All are drawn, so that what
+// matters little does not change what comes after.
 Setting random_setting(Effect effect, std::mt19937* random) {
     Setting setting = preset_setting(effect, DGB_PRESET_BALANCED);
     setting.around = "random";
     setting.varied = "all";
     for (const Parameter& p : parameters()) {
+        if (p.values.size() == 1) { continue; } // for the lists below
         const double value = p.values[(*random)() % p.values.size()];
-        p.set(&setting, value);
+        if (std::string(p.name) != "radius") { p.set(&setting, value); }
     }
     return setting;
 }
@@ -196,6 +204,8 @@ void add_around(std::vector<Setting>* settings, const Setting& base) {
 const std::vector<Choice> kOverFrames[] = {{},
                                            {{"weight", 0.95}},
                                            {{"layers", 1}},
+                                           {{"filter_taps", 1}},
+                                           {{"filter_taps", 5}},
                                            {{"layers", 1}, {"baseline", double(Baseline::sao)}},
                                            {{"layers", 1}, {"baseline", double(Baseline::gtao)}},
                                            {{"layers", 1}, {"estimator", DGB_ESTIMATOR_BITMASK}},
@@ -349,6 +359,62 @@ std::vector<Setting> budget_settings() {
     const Setting mirror = preset_setting(Effect::mirror, DGB_PRESET_BALANCED);
     add_unless_there(&settings, mirror);
     for (const double stride : {1, 2, 3, 4, 6, 8, 12, 16}) { add(vary(mirror, {{"stride", stride}})); }
+    return settings;
+}
+
+std::vector<Setting> thickness_settings() {
+    std::vector<Setting> settings;
+    for (const Effect effect : kEffects) {
+        const Setting balanced = preset_setting(effect, DGB_PRESET_BALANCED);
+        add_unless_there(&settings, balanced);
+        Setting base =
+            vary(balanced, {{"estimator", DGB_ESTIMATOR_BITMASK}, {"taps", 60}, {"slices", 4}, {"stride", 1}});
+        base.around = "thickness";
+        base.varied.clear();
+        for (int from = 0; from < DGB_THICKNESS_COUNT; ++from) {
+            for (const double most : {0.1, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+                add_unless_there(&settings, vary(base, {{"thickness_from", double(from)}, {"thickness", most}}));
+            }
+        }
+    }
+    return settings;
+}
+
+// Who takes part. What does not concern light leaves it as it is, so that it is there once.
+struct Entrant {
+    const char* name;
+    std::vector<Choice> choices;
+};
+const Entrant kEntrants[] = {{"paper 2 layers", {}},
+                             {"paper 1 layer", {{"layers", 1}}},
+                             {"bitmask 2 layers", {{"estimator", DGB_ESTIMATOR_BITMASK}}},
+                             {"bitmask 1 layer", {{"layers", 1}, {"estimator", DGB_ESTIMATOR_BITMASK}}},
+                             {"sao", {{"layers", 1}, {"baseline", double(Baseline::sao)}}},
+                             {"gtao", {{"layers", 1}, {"baseline", double(Baseline::gtao)}}}};
+
+// The preset's taps first: the others tell what a contest of equal cost comes to.
+void add_entrant(std::vector<Setting>* settings, const Entrant& entrant, const Setting& preset) {
+    Setting base = vary(preset, entrant.choices);
+    base.around = entrant.name;
+    base.varied.clear();
+    add_unless_there(settings, base);
+    for (const double taps : {8.0, 16.0, 30.0}) {
+        add_unless_there(settings, vary(base, {{"taps", taps}, {"filter_taps", 5.0}}));
+    }
+}
+
+std::vector<Setting> estimator_settings(bool quick) {
+    std::vector<Setting> settings;
+    for (const Effect effect : {Effect::occlusion, Effect::light}) {
+        for (const bool moving : {true, false}) {
+            for (const int frames : {1, 4, 16, 64}) {
+                if (frames == 1 ? !moving : quick) { continue; } // one frame is the same for both cameras
+                Setting preset = preset_setting(effect, DGB_PRESET_BALANCED, {frames, moving});
+                preset.params.history_weight = 0.95f; // what many frames are for
+                for (const Entrant& entrant : kEntrants) { add_entrant(&settings, entrant, preset); }
+            }
+        }
+    }
     return settings;
 }
 

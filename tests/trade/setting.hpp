@@ -56,6 +56,14 @@ std::vector<Setting> few_settings();
 // Every combination of what dgb_preset_for chooses: taps, MIP level, filter, normal test; step and tracer of mirrors.
 std::vector<Setting> budget_settings();
 
+// What ends a surface (dgb_thickness), for each length that ends it at the latest: of the bitmask, with taps and slices that leave
+// little noise, and of mirrors with a step a pixel.
+std::vector<Setting> thickness_settings();
+
+// The estimators of occlusion and of light that there are, the library's and others', each at the taps and filters that it could
+// be given, after one frame and, unless it is to be quick, after 4, 16 and 64: `around` names the estimator.
+std::vector<Setting> estimator_settings(bool quick);
+
 // The separation and the radii of the presets suit rooms: scenes smaller than that get smaller ones. size: metres.
 dgb_params scaled(dgb_params params, float size);
 

@@ -73,7 +73,8 @@ std::unique_ptr<SceneRenderer> Stage::make_renderer(const Setting& setting, uint
 }
 
 Built Stage::build(const Setting& setting) const {
-    const auto renderer = make_renderer(setting, 0);
+    const bool back = setting.desc.thickness == DGB_THICKNESS_BACK_FACES;
+    const auto renderer = make_renderer(setting, back ? DGB_EFFECT_REFLECT : 0); // which reads them
     const dgb_params params = scaled(setting.params, size());
     Built built;
     std::vector<double> milliseconds;
@@ -98,8 +99,10 @@ const Built& Stage::built(const Setting& setting) {
         std::snprintf(key, sizeof key, "%g %d %d %s", double(setting.params.separation), int(setting.desc.oracle),
                       setting.desc.divisor, camera);
     }
-    const auto found = built_.find(key);
-    return found != built_.end() ? found->second : built_.emplace(key, build(setting)).first->second;
+    const bool back = setting.desc.thickness == DGB_THICKNESS_BACK_FACES;
+    const std::string name = std::string(key) + (back ? " back" : "");
+    const auto found = built_.find(name);
+    return found != built_.end() ? found->second : built_.emplace(name, build(setting)).first->second;
 }
 
 std::unique_ptr<SceneRenderer> Stage::shaded(const Setting& setting, Snapshot* before) const {

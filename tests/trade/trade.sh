@@ -56,10 +56,11 @@ check "horizons are nearer to cosine-weighted visibility than obscurance is" hor
 bytes() { less "$(measure ao layers=1 bytes)" "$(measure ao '' bytes)"; }
 check "one layer takes fewer bytes" bytes
 
-resume() {
-    lines=$(wc -l <build/trade/rows.csv)
-    sed -i '$d' build/trade/rows.csv && printf 'atrium,160x90,ao,cut' >>build/trade/rows.csv # cut off in the middle
-    "$trade" --quick >table && grep -q ' 1 to measure' table && [ "$(tail -n +2 build/trade/trade.csv | wc -l)" -eq "$lines" ]
+resume() { # of a run that was cut off before the last digit
+    rows=$(cat build/trade/rows.csv) && printf %s "${rows%?}" >build/trade/rows.csv
+    "$trade" --quick >table && grep -q ' 1 to measure' table &&
+        [ "$(tail -n +2 build/trade/trade.csv | wc -l)" -eq "$(echo "$rows" | wc -l)" ] &&
+        [ "$(cut -d, -f1-9 build/trade/rows.csv)" = "$(echo "$rows" | cut -d, -f1-9)" ]
 }
 check "what is there is not measured again" resume
 
@@ -77,6 +78,13 @@ questions() {
             build/trade/questions.csv
 }
 check "the questions are answered" questions
+
+estimators() { # of light, who errs least for as much as 2.5 times the preset's cost
+    "$trade" --estimators --quick gallery >league &&
+        awk '/^irradiance/ { light = 1 } light && /^    (paper|bitmask)/ { ++n; least[$1 $2] = $NF } 
+             END { exit !(n == 4 && least["bitmask2"] == "(1)") }' league
+}
+check "the bitmask errs least in the gallery's light" estimators
 
 refused() { ! "$trade" "$@" 2>err && [ "$(wc -l <err)" -eq 1 ]; }
 check "an unknown option is refused"  refused --fast
