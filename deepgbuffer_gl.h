@@ -50,11 +50,14 @@
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
        viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
-       mode, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip control, program (even
-       one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active texture, textures and
-       samplers of the units used, image units 0 to 4, pixel unpacking. desc.keep_state = true skips all of it, and every
-       glGet: then set your own.
-       Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
+       mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip
+       control, program (even one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active
+       texture, textures and samplers of the units used, image units 0 to 4, pixel unpacking, query buffer.
+       desc.keep_state = true skips all of it, and every glGet: then set your own.
+       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns only lines,
+       points and patches.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours that are
+       active count what the library draws.
 
    ERRORS OF GL
        What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
@@ -99,7 +102,8 @@ extern "C" {
 #define DGBGL_MAX_IMAGES 5
 #define DGBGL_MAX_VIEWPORTS 16
 #define DGBGL_MAX_DRAW_BUFFERS 8
-#define DGBGL_TOGGLE_COUNT 23
+#define DGBGL_TOGGLE_COUNT 26
+#define DGBGL_UNPACK_COUNT 7
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
@@ -250,7 +254,7 @@ typedef struct dgbgl_state { /* the engine's, while a dgb_* call runs */
     int64_t uniform_start, uniform_size;
     int active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
     int samplers[DGBGL_MAX_UNITS + 1];
-    int unpack_buffer, unpack[6];
+    int query_buffer, unpack_buffer, unpack[DGBGL_UNPACK_COUNT];
     int images[DGBGL_MAX_IMAGES][6]; /* name, level, layered, layer, access, format */
 } dgbgl_state;
 
@@ -260,7 +264,7 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     bool es;                   /* read: OpenGL ES */
     dgbgl_functions gl;
     dgbgl_desc desc;
-    bool indexed_viewports, indexed_buffers, images;
+    bool indexed_viewports, indexed_buffers, images, query_buffers;
     bool interlock; /* image emission is ordered by the extension, not by a rasteriser known to be in order */
     const char* layer_extension; /* that lets a vertex shader write gl_Layer, or null */
     unsigned int vertex_array, uniform_buffer, sampler;
@@ -3102,6 +3106,7 @@ enum {
     DGBGLI_OUT_OF_MEMORY = 0x0505,
     DGBGLI_CONTEXT_LOST = 0x0507,
     DGBGLI_POLYGON_MODE = 0x0B40,
+    DGBGLI_POLYGON_SMOOTH = 0x0B41,
     DGBGLI_CULL_FACE = 0x0B44,
     DGBGLI_DEPTH_RANGE = 0x0B70,
     DGBGLI_DEPTH_TEST = 0x0B71,
@@ -3114,6 +3119,7 @@ enum {
     DGBGLI_COLOR_LOGIC_OP = 0x0BF2,
     DGBGLI_SCISSOR_TEST = 0x0C11,
     DGBGLI_COLOR_WRITEMASK = 0x0C23,
+    DGBGLI_UNPACK_SWAP_BYTES = 0x0CF0,
     DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
     DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
     DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
@@ -3138,6 +3144,8 @@ enum {
     DGBGLI_TEXTURE_MIN_FILTER = 0x2801,
     DGBGLI_TEXTURE_WRAP_S = 0x2802,
     DGBGLI_TEXTURE_WRAP_T = 0x2803,
+    DGBGLI_POLYGON_OFFSET_POINT = 0x2A01,
+    DGBGLI_POLYGON_OFFSET_LINE = 0x2A02,
     DGBGLI_CLIP_DISTANCE0 = 0x3000,
     DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
     DGBGLI_RGBA8 = 0x8058,
@@ -3182,6 +3190,8 @@ enum {
     DGBGLI_ACTIVE_TEXTURE = 0x84E0,
     DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
     DGBGLI_DEPTH_CLAMP = 0x864F,
+    DGBGLI_QUERY_BUFFER = 0x9192,
+    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
     DGBGLI_QUERY_RESULT = 0x8866,
     DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
     DGBGLI_RGBA16F = 0x881A,
@@ -3393,16 +3403,22 @@ static const struct {
                                         {DGBGLI_CLIP_DISTANCE0 + 4, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 5, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 6, 330, 0},
-                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0}};
+                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0},
+                                        {DGBGLI_POLYGON_SMOOTH, 330, 0},
+                                        {DGBGLI_POLYGON_OFFSET_POINT, 330, 0}, /* these two move the last bits of */
+                                        {DGBGLI_POLYGON_OFFSET_LINE, 330, 0}}; /* filled triangles in llvmpipe */
 
 static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
     const int since = b->es ? dgbgli_toggles[i].since_es : dgbgli_toggles[i].since;
     return since != 0 && b->version >= since;
 }
 
-static const unsigned int dgbgli_unpack[6] = {DGBGLI_UNPACK_ROW_LENGTH,   DGBGLI_UNPACK_SKIP_ROWS,
-                                              DGBGLI_UNPACK_SKIP_PIXELS,  DGBGLI_UNPACK_ALIGNMENT,
-                                              DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES};
+/* How GL reads pixels. OpenGL ES swaps no bytes. */
+static const unsigned int dgbgli_unpack[DGBGL_UNPACK_COUNT] = {
+    DGBGLI_UNPACK_ROW_LENGTH,   DGBGLI_UNPACK_SKIP_ROWS,   DGBGLI_UNPACK_SKIP_PIXELS, DGBGLI_UNPACK_ALIGNMENT,
+    DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES, DGBGLI_UNPACK_SWAP_BYTES};
+
+static int dgbgli_unpack_count(const dgbgl_backend* b) { return b->es ? DGBGL_UNPACK_COUNT - 1 : DGBGL_UNPACK_COUNT; }
 
 static int dgbgli_get(const dgbgl_backend* b, unsigned int name) {
     int value[4] = {0, 0, 0, 0};
@@ -3501,8 +3517,9 @@ static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
         s->samplers[i] = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
     }
     dgbgli_save_images(b, s);
+    if (b->query_buffers) s->query_buffer = dgbgli_get(b, DGBGLI_QUERY_BUFFER_BINDING);
     s->unpack_buffer = dgbgli_get(b, DGBGLI_PIXEL_UNPACK_BUFFER_BINDING);
-    for (i = 0; i < 6; ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
 }
 
 static void dgbgli_depth_range(const dgbgl_backend* b, double near_value, double far_value) {
@@ -3523,8 +3540,10 @@ static void dgbgli_set_defaults(const dgbgl_backend* b) {
     b->gl.DepthMask(DGBGLI_TRUE);
     dgbgli_depth_range(b, 0.0, 1.0);
     if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, 0); /* else the timers are read into it */
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
-    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], dgbgli_unpack[i] == DGBGLI_UNPACK_ALIGNMENT ? 1 : 0);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i)
+        b->gl.PixelStorei(dgbgli_unpack[i], dgbgli_unpack[i] == DGBGLI_UNPACK_ALIGNMENT ? 1 : 0);
 }
 
 static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) {
@@ -3582,8 +3601,9 @@ static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s
     }
     b->gl.ActiveTexture((unsigned)s->active_texture);
     dgbgli_restore_images(b, s);
+    if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, (unsigned)s->query_buffer);
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, (unsigned)s->unpack_buffer);
-    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
 }
 
 static void dgbgli_begin(void* user) {
@@ -4465,6 +4485,7 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     b->indexed_buffers = b->gl.ColorMaski != NULL;
     b->indexed_viewports = b->gl.ViewportIndexedf != NULL;
     b->images = b->gl.BindImageTexture != NULL;
+    b->query_buffers = dgbgli_offers(b, 440, 0, "GL_ARB_query_buffer_object");
     b->layer_extension = dgbgli_layer_extension(b);
     b->interlock = b->images && b->version >= 450 && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
     caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
@@ -4534,12 +4555,11 @@ static dgb_result dgbgli_create_objects(dgbgl_backend* b) {
     return result;
 }
 
-static bool dgbgli_is_too_old(const dgbgl_backend* b) {
-    return b->version < (b->es ? 300 : 330) ||
-           (b->es && b->version < 320 && !dgbgli_has_extension(b, "GL_EXT_color_buffer_float"));
+static bool dgbgli_is_supported(const dgbgl_backend* b) {
+    if (!b->es) return b->version >= 330;
+    return b->version >= 320 || (b->version >= 300 && dgbgli_has_extension(b, "GL_EXT_color_buffer_float"));
 }
 
-/* Tells what the context is, and what it should be. */
 static void dgbgli_refuse_version(const dgbgl_backend* b) {
     char sentence[160];
     dgbgli_text t = dgbgli_text_on(sentence, sizeof sentence);
@@ -4550,10 +4570,10 @@ static void dgbgli_refuse_version(const dgbgl_backend* b) {
     dgbgli_put_int(&t, b->version / 10 % 10);
     dgbgli_put(
         &t, "; needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float: ask for it when creating the context");
-    dgbgli_message(b, "dgbgl_init", sentence);
+    dgbgli_message(b, "unsupported context", sentence);
 }
 
-/* What of the desc is of no use in this context, or null. */
+/* Null, or what is wrong with the desc in this context. */
 static const char* dgbgli_fault(const dgbgl_backend* b) {
     if (b->desc.oracle_unit < 0 || b->desc.oracle_unit >= dgbgli_get(b, DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS))
         return "oracle_unit is no texture unit of this context";
@@ -4569,7 +4589,7 @@ static dgb_result dgbgli_start(dgbgl_backend* b) {
     dgb_result result;
     b->es = version && strncmp(version, "OpenGL ES", 9) == 0;
     b->version = dgbgli_get(b, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(b, DGBGLI_MINOR_VERSION) * 10;
-    if (dgbgli_is_too_old(b)) {
+    if (!dgbgli_is_supported(b)) {
         dgbgli_refuse_version(b);
         return DGB_UNSUPPORTED;
     }
