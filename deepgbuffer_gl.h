@@ -4351,8 +4351,8 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
     dgbgl_backend* b;
     dgbgli_view_uniforms uniforms;
     const char* fault;
-    dgb_result result;
-    bool scissor, drawn;
+    dgb_result result = DGB_DEVICE, ended;
+    bool scissor;
     int width, height;
     if (!context || !view || context->backend.texture_create != dgbgli_texture_create) return DGB_INVALID;
     b = (dgbgl_backend*)context->backend.user;
@@ -4367,8 +4367,7 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
     scissor = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST) != 0;
     if (b->gl.PushDebugGroup) b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, 0, -1, "view");
     dgbgli_begin(b);
-    drawn = dgbgli_make_view_program(b);
-    if (drawn) {
+    if (dgbgli_make_view_program(b)) {
         dgb_program program;
         program.id = b->view_program;
         dgbgli_enable(b, DGBGLI_SCISSOR_TEST, scissor);
@@ -4377,10 +4376,11 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
         b->gl.Viewport(view->x, view->y, width, height);
         b->gl.BindVertexArray(b->vertex_array);
         dgbgli_draw_fullscreen(b, program);
+        result = DGB_OK;
     }
-    result = dgbgli_end(b);
+    ended = dgbgli_end(b);
     if (b->gl.PopDebugGroup) b->gl.PopDebugGroup();
-    return drawn ? result : DGB_DEVICE;
+    return result == DGB_OK ? ended : result;
 }
 
 /* >> init, shutdown */
