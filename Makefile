@@ -85,7 +85,7 @@ example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
-.PHONY: all help setup demo test check check-core check-gl check-reference examples bench fuzz gpu-cost core-tests gl-tests \
+.PHONY: all help setup demo test check check-core check-gl check-reference coverage examples bench fuzz gpu-cost core-tests gl-tests \
         gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
         format format-fix tidy clean
 .DEFAULT_GOAL := all
@@ -135,6 +135,15 @@ check-gl: gl-tests ## the tests of the OpenGL backend
 
 check-reference: reference-tests ## the tests of the ray-traced reference
 	@tests/run $(call reference_tests,$(config))
+
+# Percentages of lines and of branches that the tests must reach.
+coverage_goals := deepgbuffer.h:98:90 deepgbuffer_gl.h:95:80
+
+coverage: ## what lines and branches of the headers the tests reach (gcov); fails below the goals
+	@$(MAKE) config=coverage CC=gcc CXX=g++ core-tests gl-tests
+	@find build/coverage -name '*.gcda' -delete
+	@tests/run $(call core_tests,coverage) $(call tests_in,gl,coverage)
+	@tests/coverage build/coverage/obj/tests/support/deepgbuffer.gcda $(coverage_goals)
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")
