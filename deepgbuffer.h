@@ -70,7 +70,7 @@
                               irradiance makes of it: 160 bits a pixel
              -> [mip]         chain made by copying one texel of four, never by averaging
              -> [tiles]       where the second layer can matter at all
-             -> [ao]          ambient visibility
+             -> [ao]          ambient visibility, with BENT where it opens to
              -> [gather]      irradiance + confidence, with BOUNCES or REFLECT of both layers
              -> [temporal]    TEMPORAL: average over frames along the motion of each surface
              -> [reconstruct] separable bilateral filter over all of them
@@ -134,10 +134,16 @@
        What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
        that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
        DGB_EFFECT_TEMPORAL averages over frames, each of which takes other taps. history_weight 0.85 is the
-       paper's advice: more is smoother and lags behind moving lights. A surface that has just come into view averages the
-       frames that it has. Where its history lies is told by velocities and checked against both layers of last frame, within
+       paper's advice: more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A surface that
+       has just come into view averages the frames that it has. history_clamp keeps history within what this frame's neighbours
+       found, where surfaces move: 1 to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples,
+       and their light with them: the picture gets darker where few taps find a lamp. Where its history lies is told by velocities and checked against both layers of last frame, within
        history_tolerance of the distance or history_floor: a surface that steps out from behind another keeps its light.
        First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
+       DGB_EFFECT_BENT, with AO and BITMASK, says from where a point is open: the mean of the open directions, in world space and
+       weighted by the cosine, whose direction is the bent normal and whose length, over the open share beside it, tells how wide
+       the opening is (dgb_bent_cosine). A probe that is looked up there lights a corner under a window from the window:
+       dgb_bent_direction and dgb_probe_visible of the composite snippet. Of an open point it is 2/3 of the normal, exactly.
        PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
        whose taps found nothing says nothing.
        DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
@@ -196,6 +202,8 @@
        dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
        dgb_pixel_hash           any int            exact, same in GLSL          -
        dgb_pixel_pair           any int            exact, same in GLSL          -
+       dgb_hilbert_index        any int            exact, same in GLSL          -
+       dgb_pixel_quad           any int            exact, same in GLSL          -
        dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
        dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
        dgb_keep_test            any float          exact                        NaN anywhere: false
@@ -207,6 +215,8 @@
        dgb_arc_sine             any float          6.8e-5                       beyond +-1: that of +-1
        dgb_slice_share          any float          1e-3                         not finite: 1
        dgb_sectors              any float          exact                        NaN: the first sector's end
+       dgb_slice_angle          share 0..1         1e-3                         -
+       dgb_bent_cosine          any float[4]       1e-3 at 0, else 1e-5         nothing open: 1; NaN: 0
        dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
        dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
@@ -277,9 +287,9 @@ extern "C" {
 #define DGB_MAX_TARGETS 4   /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14   /* textures read by one pass */
 #define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 18
+#define DGB_MAX_PROGRAMS 19
 #define DGB_MAX_PASSES 28
-#define DGB_MAX_TEXTURES 40
+#define DGB_MAX_TEXTURES 45
 
 /* --- results and log ---------------------------------------------------------------------------------------------- */
 
@@ -297,7 +307,7 @@ typedef enum dgb_result {
     X(SIZE, "width and height must be 1 to 16384 pixels")                                                        \
     X(GUARD_BAND, "guard_band must be 0 or more, and the image with it no larger than the device allows")        \
     X(LAYERS, "layers must be 1 to 8 (1 or 2 for layers of the engine's own)")                                   \
-    X(EFFECTS, "effects holds an unknown bit, or BOUNCES, GLOSSY or TEMPORAL without what they need")            \
+    X(EFFECTS, "effects holds an unknown bit, or BENT, BOUNCES, GLOSSY or TEMPORAL without what they need")      \
     X(TARGETS, "targets holds an unknown bit or leaves out a target that an effect reads")                       \
     X(ENUM, "an enum of the desc is out of range")                                                               \
     X(PEEL_EMISSION, "the PEEL oracle reads the layer in front of this frame, so it needs SEPARATE emission")    \
@@ -318,7 +328,8 @@ typedef enum dgb_result {
     X(GATHER_PARAMS, "radius must be 1e-15 to 1e14, samples 1 to 256")                                           \
     X(BITMASK_PARAMS, "slices must be 1 to 8, thickness finite, 0 to 1e14")                                      \
     X(BOUNCE_PARAMS, "bounce_damping must be 0 to 1, boosts finite and >= 0")                                    \
-    X(HISTORY_PARAMS, "history_weight must be 0 to 0.999, history_tolerance and _floor finite and >= 0")         \
+    X(HISTORY_PARAMS,                                                                                            \
+      "history_weight must be 0 to 0.999, history_tolerance, _floor, _clamp and sample_clamp finite and >= 0")   \
     X(REFLECT_PARAMS,                                                                                            \
       "reflect_distance and _thickness must be 1e-15 to 1e14, _steps 1 to 4096, _stride 1 to 64, _border >= 0")  \
     X(GLOSSY_PARAMS, "glossy_taps must be 0 to 32, glossy_radius finite and >= 0")                               \
@@ -349,7 +360,8 @@ enum {                           /* bits of dgb_desc.effects; 0 builds the layer
        DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
        DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
        DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
-       DGB_EFFECT_GLOSSY = 32    /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_GLOSSY = 32,   /* with REFLECT: by each surface's roughness */
+       DGB_EFFECT_BENT = 64      /* with AO and BITMASK: from where the sky is seen: DGB_BENT */
 };
 
 enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
@@ -494,18 +506,23 @@ typedef enum dgb_format {
     X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                                \
     /* results: raw, averaged over frames, after the horizontal filter, final */                                         \
     X(DGB_AO_RAW, "ao_raw")                                                                                              \
+    X(DGB_BENT_RAW, "bent_raw")                                                                                          \
     X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                              \
     X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                            \
     X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */      \
+    X(DGB_BENT_MEAN, "bent_mean")                                                                                        \
     X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                            \
     X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                          \
     X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
+    X(DGB_LAST_BENT, "last_bent")                                                                                        \
     X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
     X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
     /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
     X(DGB_HALF, "half")                                                                                                  \
+    X(DGB_HALF_BENT, "half_bent")                                                                                        \
     X(DGB_HALF1, "half1")                                                                                                \
-    X(DGB_AO, "ao")                 /* ambient visibility, 1 = open */                                                   \
+    X(DGB_AO, "ao")     /* ambient visibility, 1 = open */                                                               \
+    X(DGB_BENT, "bent") /* rgb: mean of the open directions, world space, weighted by the cosine; a: the open share */   \
     X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
     X(DGB_IRRADIANCE1,                                                                                                   \
       "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
@@ -593,6 +610,13 @@ DGB_API int dgb_pixel_hash(int x, int y, int frame);
 /* Two numbers of a pixel and frame for sampling a square, in 0..1, neither 0 nor 1: the R2 sequence (Roberts 2018) over
    the frames from a hash of the pixel. Integers until the last step: the same everywhere. */
 DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]);
+/* Place of a pixel along a Hilbert curve through a square of 64 x 64 pixels, 0..4095, the same in every such square: pixels that
+   are near along the curve are near in the image, and most that are near in the image are near along the curve. */
+DGB_API int dgb_hilbert_index(int x, int y);
+/* Four numbers of a pixel and frame, in 0..1, neither 0 nor 1, which neighbours and frames share out among them: sequences along
+   the Hilbert curve, 288 places farther from frame to frame. The first two together are the R2 sequence (Roberts 2018), the
+   others two of its kin of four dimensions. Integers until the last step: the same everywhere. */
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
@@ -672,6 +696,17 @@ DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
    rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
 DGB_API uint32_t dgb_sectors(float from, float to, float u);
 DGB_API int dgb_sector_count(uint32_t sectors);
+/* The angle, from the eye on, up to which a slice holds a share 0..1 of its light. Within 1e-3; the horizon for 1. */
+DGB_API float dgb_slice_angle(const float slice[4], float share);
+/* Sum {towards the eye, along} of a slice's directions from the eye up to an angle, weighted by the cosine of the normal so that the
+   weights of all, up to the horizon, add up to 1. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]);
+/* The same of the directions in some sectors. Those of all cosine-weighted directions about a normal n, over slices of all, have
+   2/3 n for their mean. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]);
+/* Cosine of the half angle of the cone that looks as open as a texel of DGB_BENT: of cosine-weighted directions about its axis, the
+   mean is as long. 0 where a hemisphere's is shorter, 1 of a single direction, and where nothing is open. */
+DGB_API float dgb_bent_cosine(const float bent[4]);
 
 /* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
 DGB_API float dgb_ggx_alpha(float roughness);
@@ -713,6 +748,10 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     float history_weight;    /* alpha: weight of history in the average, 0 (off) to 0.999 */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
     float history_floor;     /* or within this, m */
+    float history_clamp; /* standard deviations of the 3 x 3 pixels' samples that history may be off their mean where a
+                            surface moves a pixel a frame or more, farther the less it moves; 0 (off) or more */
+    float sample_clamp;  /* times the mean of its neighbours, or its history, that a frame's irradiance counts for at
+                            most; 0 (off) or more */
 
     bool second_alone; /* only second-layer surfaces occlude and send: to look at what they contribute */
     bool adaptive;     /* skip the second layer in tiles where it cannot matter; the results are the same */
@@ -890,15 +929,17 @@ typedef struct dgb_gather_uniforms {
 
 typedef struct dgb_bitmask_uniforms { /* BITMASK: of AO and GATHER */
     dgb_camera camera;
-    int32_t size[4];  /* buffer width and height, steps to each side of a slice, frame */
-    int32_t level[4]; /* log2 q, min level, max level, 1: no tile may be skipped */
-    float radius[4];  /* r (m), r^2, thickness (m), largest radius in pixels */
-    float scale[4];   /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    int32_t size[4];   /* buffer width and height, steps to each side of a slice, frame */
+    int32_t level[4];  /* log2 q, min level, max level, 1: no tile may be skipped */
+    float radius[4];   /* r (m), r^2, thickness (m), largest radius in pixels */
+    float scale[4];    /* slices, 1 / slices, exponent of the visibility, 0 to leave out the first layer */
+    float world[3][4]; /* camera to world, columns */
 } dgb_bitmask_uniforms;
 
 typedef struct dgb_temporal_uniforms {
     dgb_camera camera;
-    float weight[4]; /* x: of history */
+    float weight[4]; /* of history; standard deviations, and times the mean, that are let through; frame */
+    int32_t rect[4]; /* shaded rectangle: x0, y0, x1, y1, the last two inclusive */
     dgb_reprojection past;
 } dgb_temporal_uniforms;
 
@@ -1307,6 +1348,29 @@ DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]) {
     u[1] = ((float)((g + (uint32_t)frame * 2447445414u) >> 9) + 0.5f) / 8388608.0f;
 }
 
+/* From the largest quarter to the smallest: which one the pixel is in, 0 to 3 along the curve, two bits of the index each; the
+   curve through the first and the last quarter is turned. */
+DGB_API int dgb_hilbert_index(int x, int y) {
+    uint32_t a = (uint32_t)x, b = (uint32_t)y, index = 0u;
+    int bit;
+    for (bit = 5; bit >= 0; --bit) {
+        const uint32_t right = a >> bit & 1u, upper = b >> bit & 1u, turned = right ? 0xffffffffu : 0u, c = a;
+        index = index << 2 | ((3u * right) ^ upper);
+        if (upper) continue;
+        a = b ^ turned;
+        b = c ^ turned;
+    }
+    return (int)index;
+}
+
+DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]) {
+    /* 2^32 / p and 2^32 / p^2, p^3 = p + 1; 2^32 / q^3 and 2^32 / q^4, q^5 = q + 1 */
+    static const uint32_t steps[4] = {3242174889u, 2447445414u, 2700274806u, 2313257605u};
+    const uint32_t place = (uint32_t)dgb_hilbert_index(x, y) + (uint32_t)frame * 288u + 1u;
+    int i;
+    for (i = 0; i < 4; ++i) u[i] = ((float)(place * steps[i] >> 9) + 0.5f) / 8388608.0f;
+}
+
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     if (dgbi_is_nan(h) || dgbi_bits(h) >> 31) return min_level;
     return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - log2_q, min_level, max_level);
@@ -1547,6 +1611,51 @@ DGB_API int dgb_sector_count(uint32_t sectors) {
     return (int)(((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24);
 }
 
+DGB_API float dgb_slice_angle(const float slice[4], float share) {
+    const float horizon = slice[2] + (float)(0.5 * DGBI_PI);
+    float t = horizon * (float)(2.0 / DGBI_PI) * dgb_arc_sine(sqrtf(share));
+    int i;
+    for (i = 0; i < 3; ++i) { /* Newton's; at the ends, where the share does not grow, t stays */
+        const float s = sinf(t), c = cosf(t);
+        const float off = (s * s * slice[0] + (t - s * c) * slice[1]) * slice[3] - share;
+        const float slope = 2.0f * s * (c * slice[0] + s * slice[1]) * slice[3];
+        t -= off / (slope > 1e-3f ? slope : 1e-3f);
+        t = t > 0.0f ? (t < horizon ? t : horizon) : 0.0f;
+    }
+    return share < 1.0f ? t : horizon;
+}
+
+/* The integral of cos(t - g) sin t {cos t, sin t}. */
+DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]) {
+    const float s = sinf(angle), c = cosf(angle), s3 = s * s * s, c3 = c * c * c, scale = 2.0f / 3.0f * slice[3];
+    sum[0] = (slice[0] * (1.0f - c3) + slice[1] * s3) * scale;
+    sum[1] = (slice[0] * s3 + slice[1] * (2.0f - 3.0f * c + c3)) * scale;
+}
+
+/* Four sectors at a time, which lie so near together that any of them has their mean direction. */
+DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]) {
+    float before[2] = {0.0f, 0.0f};
+    int i, k;
+    sum[0] = sum[1] = 0.0f;
+    for (i = 1; i <= 8; ++i) {
+        const float part = 0.25f * (float)dgb_sector_count(sectors >> (4 * i - 4) & 15u);
+        float up_to[2];
+        dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125f * (float)i), up_to);
+        for (k = 0; k < 2; ++k) {
+            sum[k] += (up_to[k] - before[k]) * part;
+            before[k] = up_to[k];
+        }
+    }
+}
+
+/* The mean of a cone's directions is 2/3 (1 + c + c^2) / (1 + c) long; k is what is more than 2/3 of it, times 3/2. */
+DGB_API float dgb_bent_cosine(const float bent[4]) {
+    const float length = sqrtf(dgbi_dot(bent, bent));
+    const float k = dgbi_max0(1.5f * length / bent[3] - 1.0f);
+    const float cosine = 0.5f * (k + sqrtf(k * k + 4.0f * k));
+    return dgbi_is_finite(cosine) && bent[3] > 0.0f && cosine < 1.0f ? cosine : 1.0f;
+}
+
 /* >> reflections: the lobe */
 
 DGB_API float dgb_ggx_alpha(float roughness) {
@@ -1760,7 +1869,8 @@ static dgb_log_item dgbi_check_params(const dgb_params* p) {
         !dgbi_at_least(p->boost_unsaturated, 0.0f) || !dgbi_at_least(p->boost_saturated, 0.0f))
         return DGB_LOG_BOUNCE_PARAMS;
     if (!dgbi_at_least(p->history_weight, 0.0f) || p->history_weight > 0.999f ||
-        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f))
+        !dgbi_at_least(p->history_tolerance, 0.0f) || !dgbi_at_least(p->history_floor, 0.0f) ||
+        !dgbi_at_least(p->history_clamp, 0.0f) || !dgbi_at_least(p->sample_clamp, 0.0f))
         return DGB_LOG_HISTORY_PARAMS;
     if (!dgbi_is_radius(p->reflect_distance) || !dgbi_is_radius(p->reflect_thickness) ||
         !dgbi_in_range(p->reflect_steps, 1, 4096) || !dgbi_in_range(p->reflect_stride, 1, 64) ||
@@ -1852,8 +1962,9 @@ static uint32_t dgbi_required_targets(uint32_t effects) {
 
 static bool dgbi_effects_ok(uint32_t effects) {
     const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL |
-                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
+                         DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY | DGB_EFFECT_BENT;
     if (effects & ~all) return false;
+    if ((effects & DGB_EFFECT_BENT) && !(effects & DGB_EFFECT_AO)) return false;
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
     return !(effects & DGB_EFFECT_TEMPORAL) || (effects & (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_GLOSSY));
@@ -1877,7 +1988,8 @@ static dgb_log_item dgbi_check_desc(const dgb_desc* d) {
     if (!dgbi_in_range(d->layers, 0, max_layers)) return DGB_LOG_LAYERS;
     if (d->backend && d->source == DGB_SOURCE_BUILD && (d->layers ? d->layers : 2) > d->backend->caps.max_layers)
         return DGB_LOG_LAYERS;
-    if (!dgbi_effects_ok(d->effects)) return DGB_LOG_EFFECTS;
+    if (!dgbi_effects_ok(d->effects) || ((d->effects & DGB_EFFECT_BENT) && d->estimator == DGB_ESTIMATOR_PAPER))
+        return DGB_LOG_EFFECTS;
     if (!dgbi_in_range((int)d->source, 0, DGB_SOURCE_ENGINE) ||
         !dgbi_in_range((int)d->oracle, 0, DGB_ORACLE_COUNT - 1) ||
         !dgbi_in_range((int)d->emission, 0, DGB_EMISSION_COUNT - 1) ||
@@ -2082,7 +2194,7 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
 /* What the shading wants, besides what every desc has. */
 typedef struct dgbi_wants {
     int layers; /* shaded */
-    bool ao, light, bounces, temporal, reflect, glossy;
+    bool ao, bent, light, bounces, temporal, reflect, glossy;
     bool spiral;   /* something takes spiral taps: occlusion or light */
     bool radiance; /* is packed */
     bool deep;     /* the second layer receives light as well */
@@ -2094,6 +2206,7 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     dgbi_wants w;
     w.layers = dgbi_min(d->layers, DGB_MAX_SHADED_LAYERS);
     w.ao = (d->effects & DGB_EFFECT_AO) != 0;
+    w.bent = (d->effects & DGB_EFFECT_BENT) != 0;
     w.light = (d->effects & DGB_EFFECT_RADIOSITY) != 0;
     w.bounces = (d->effects & DGB_EFFECT_BOUNCES) != 0;
     w.temporal = (d->effects & DGB_EFFECT_TEMPORAL) != 0;
@@ -2206,13 +2319,16 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
         dgbi_add_define(plan, "DGB_NORMAL_TEST", 0);
         dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 0);
         dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
     }
     dgbi_add_texture(plan, DGB_AO_RAW, DGB_FORMAT_R8, 0, 1);
+    if (w->bent) dgbi_add_texture(plan, DGB_BENT_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_ROTATIONS);
     if (w->layers > 1) dgbi_add_input(pass, DGB_TILES);
     dgbi_add_output(pass, DGB_AO_RAW);
+    if (w->bent) dgbi_add_output(pass, DGB_BENT_RAW);
 }
 
 /* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
@@ -2231,6 +2347,7 @@ static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
         if (d->estimator != DGB_ESTIMATOR_BITMASK) continue;
         dgbi_add_define(plan, "DGB_BITMASK_LIGHT", 1);
         dgbi_add_define(plan, "DGB_THICKNESS", (int)d->thickness);
+        dgbi_add_define(plan, "DGB_BENT", 0);
     }
     dgbi_add_texture(plan, DGB_IRRADIANCE_RAW, DGB_FORMAT_RGBA16F, 0, 1);
     if (w->deep) dgbi_add_texture(plan, DGB_IRRADIANCE1_RAW, DGB_FORMAT_RGBA16F, 0, 1);
@@ -2253,14 +2370,20 @@ static void dgbi_plan_mean(dgb_slot raw, dgb_slot mean, dgb_slot last, dgb_plan*
     dgbi_add_output(pass, mean);
 }
 
+/* Two programs, the second with limits to what stands out, which cost nothing where there are none. */
 static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
-    const int program = dgbi_add_program(plan, DGB_PASS_TEMPORAL);
-    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, program);
-    dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
-    dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
-    dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
-    dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
-    dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_TEMPORAL, 0, plan->program_count);
+    int limited;
+    for (limited = 0; limited < 2; ++limited) {
+        dgbi_add_program(plan, DGB_PASS_TEMPORAL);
+        dgbi_add_define(plan, "DGB_ENGINE_LAYERS", d->source == DGB_SOURCE_ENGINE);
+        dgbi_add_define(plan, "DGB_DIVISOR", d->divisor);
+        dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
+        dgbi_add_define(plan, "DGB_LAST_LIGHT", w->light);
+        dgbi_add_define(plan, "DGB_DEEP", w->deep);
+        dgbi_add_define(plan, "DGB_BENT", w->bent);
+        dgbi_add_define(plan, "DGB_LIMITED", limited);
+    }
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_LAST_Z);
@@ -2271,6 +2394,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
     if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
+    if (w->bent) dgbi_plan_mean(DGB_BENT_RAW, DGB_BENT_MEAN, DGB_LAST_BENT, plan, pass);
 }
 
 /* A result that the reconstruction filters: what the shader calls it, where it lies, where the filtered one goes. */
@@ -2282,12 +2406,13 @@ typedef struct dgbi_filtered {
 
 /* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
 static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
-    const dgbi_filtered results[3] = {
+    const dgbi_filtered results[4] = {
         {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
         {w->light, DGB_IRRADIANCE_RAW, w->temporal ? DGB_IRRADIANCE_MEAN : DGB_IRRADIANCE_RAW, DGB_IRRADIANCE,
          DGB_FORMAT_RGBA16F},
         {w->deep, DGB_IRRADIANCE1_RAW, w->temporal ? DGB_IRRADIANCE1_MEAN : DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1,
-         DGB_FORMAT_RGBA16F}};
+         DGB_FORMAT_RGBA16F},
+        {w->bent, DGB_BENT_RAW, w->temporal ? DGB_BENT_MEAN : DGB_BENT_RAW, DGB_BENT, DGB_FORMAT_RGBA16F}};
     const dgb_slot halves[2] = {DGB_HALF, DGB_HALF1};
     const int program = dgbi_add_program(plan, DGB_PASS_RECONSTRUCT);
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_RECONSTRUCT, axis, program);
@@ -2297,13 +2422,20 @@ static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb
     dgbi_add_define(plan, "DGB_FILTER_AO", w->ao);
     dgbi_add_define(plan, "DGB_FILTER_IRRADIANCE", w->light);
     dgbi_add_define(plan, "DGB_DEEP", w->deep);
+    dgbi_add_define(plan, "DGB_BENT", w->bent);
     if (axis == 0) dgbi_add_input(pass, DGB_Z), dgbi_add_input(pass, DGB_NORMALS);
     for (i = 0; i < (w->deep ? 2 : 1); ++i) {
         if (axis == 0) dgbi_add_texture(plan, halves[i], w->light ? DGB_FORMAT_RGBA32UI : DGB_FORMAT_RG32UI, 0, 1);
         if (axis == 0) dgbi_add_output(pass, halves[i]);
         if (axis == 1) dgbi_add_input(pass, halves[i]);
     }
-    for (i = 0; i < 3; ++i) {
+    if (w->bent && axis == 0) {
+        dgbi_add_texture(plan, DGB_HALF_BENT, DGB_FORMAT_RGBA16F, 0, 1);
+        dgbi_add_output(pass, DGB_HALF_BENT);
+    } else if (w->bent) {
+        dgbi_add_input(pass, DGB_HALF_BENT);
+    }
+    for (i = 0; i < 4; ++i) {
         if (!results[i].wanted) continue;
         if (axis == 0) dgbi_add_input_as(pass, results[i].name, results[i].before);
         if (axis == 1) dgbi_add_texture(plan, results[i].after, results[i].format, 0, 1);
@@ -2776,7 +2908,7 @@ static void dgbi_resolve(dgb_context* c, const dgbi_build* b) {
 }
 
 /* BACK_FACES: a peel of nothing but depth, by no separation, of what faces away. layers: as they were drawn */
-static void dgbi_back(const dgb_context* c, const dgbi_build* layers) {
+static void dgbi_back(dgb_context* c, const dgbi_build* layers) {
     dgbi_build b = *layers;
     dgb_draw draw;
     b.plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_BACK);
@@ -3180,6 +3312,7 @@ static void dgbi_gather_uniforms(const dgb_context* c, const dgb_params* q, dgb_
 static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, bool light, dgb_bitmask_uniforms* u) {
     const int steps = (light ? q->samples : q->ao_samples) / (2 * q->slices);
     const float radius = light ? q->radius : q->ao_radius;
+    int column, row;
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_fill_size(c, q, steps > 1 ? steps : 1, u->size);
@@ -3192,12 +3325,18 @@ static void dgbi_bitmask_uniforms(const dgb_context* c, const dgb_params* q, boo
     u->scale[1] = 1.0f / (float)q->slices;
     u->scale[2] = q->ao_intensity;
     u->scale[3] = q->second_alone ? 0.0f : 1.0f;
+    for (column = 0; column < 3; ++column)
+        for (row = 0; row < 3; ++row) u->world[column][row] = c->drawn.view[row * 4 + column]; /* turned back */
 }
 
 static void dgbi_temporal_uniforms(const dgb_context* c, const dgb_params* q, dgb_temporal_uniforms* u) {
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     u->weight[0] = q->history_weight;
+    u->weight[1] = q->history_clamp;
+    u->weight[2] = q->sample_clamp;
+    u->weight[3] = (float)(c->frame & 0xffffffu);
+    dgbi_fill_rect(c, q, u->rect);
     dgbi_fill_reprojection(c, q, c->has_history && dgbi_same_result(q, &c->shaded_params), &u->past);
 }
 
@@ -3337,8 +3476,15 @@ static void dgbi_fullscreen_rect(const dgb_context* c, const dgb_plan_pass* pass
     }
 }
 
+/* Which of a pass's programs runs. */
+static int dgbi_variant(const dgb_plan_pass* pass, const dgb_params* q) {
+    if (pass->id == DGB_PASS_GATHER) return q->normal_test;
+    if (pass->id == DGB_PASS_TEMPORAL) return q->history_clamp > 0.0f || q->sample_clamp > 0.0f;
+    return 0;
+}
+
 static void dgbi_run_fullscreen(dgb_context* c, const dgb_plan_pass* plan_pass, const dgb_params* q) {
-    const int variant = plan_pass->id == DGB_PASS_GATHER && q->normal_test ? 1 : 0;
+    const int variant = dgbi_variant(plan_pass, q);
     int rect[4];
     dgb_pass pass;
     memset(&pass, 0, sizeof pass);
@@ -3367,6 +3513,7 @@ static void dgbi_remember(dgb_context* c, const dgb_params* q) {
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     static const dgb_slot turns[][2] = {{DGB_Z, DGB_LAST_Z}, /* present and past */
                                         {DGB_FRAMES, DGB_LAST_FRAMES},
+                                        {DGB_BENT_MEAN, DGB_LAST_BENT},
                                         {DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE},
                                         {DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1},
                                         {DGB_REFLECTION, DGB_LAST_REFLECTION},

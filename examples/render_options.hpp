@@ -35,6 +35,7 @@ inline const DumpKind kDumpKinds[] = {
     {"radiance1", 2, 0},
     {"ao", 1, DGB_EFFECT_AO},
     {"ao_raw", 1, DGB_EFFECT_AO},
+    {"bent", 1, DGB_EFFECT_BENT},
     {"irradiance0", 1, DGB_EFFECT_RADIOSITY},
     {"irradiance0_raw", 1, DGB_EFFECT_RADIOSITY},
     {"irradiance1", 2, DGB_EFFECT_RADIOSITY},
@@ -223,9 +224,10 @@ inline void parse_effects(const std::string& text, Options* options) {
     options->effects = 0;
     if (text == "none") { return; }
     for (const std::string& word : split(text, ',')) {
-        require(word == "ao" || word == "gi" || word == "reflect" || word == "glossy", "--effects",
-                "must be none or a comma list of ao, gi, reflect and glossy");
+        require(word == "ao" || word == "gi" || word == "reflect" || word == "glossy" || word == "bent", "--effects",
+                "must be none or a comma list of ao, bent, gi, reflect and glossy");
         options->effects |= word == "ao"        ? DGB_EFFECT_AO
+                            : word == "bent"    ? DGB_EFFECT_AO | DGB_EFFECT_BENT
                             : word == "gi"      ? DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES
                             : word == "reflect" ? DGB_EFFECT_REFLECT
                                                 : DGB_EFFECT_REFLECT | DGB_EFFECT_GLOSSY;
@@ -417,7 +419,9 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
 inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
-        "none, or a comma list of ao, gi, reflect (mirrors) and glossy (reflections by roughness) (default ao,gi)");
+        "none, or a comma list of ao, bent (where it opens to; with --estimator bitmask), gi, reflect (mirrors) and "
+        "glossy "
+        "(reflections by roughness) (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -514,6 +518,8 @@ inline void add_picture(CLI::App* app, Options* o) {
 inline void check_together(const Options& options) {
     require(options.bounces.value_or(1) <= options.frames, "--bounces",
             "needs as many --frames: light bounces once a frame");
+    require(!(options.effects & DGB_EFFECT_BENT) || options.estimator == DGB_ESTIMATOR_BITMASK, "--effects",
+            "bent needs --estimator bitmask");
     const bool gathers = (options.effects & DGB_EFFECT_RADIOSITY) != 0;
     require(options.compared_bounces.empty() || (gathers && !options.out.empty()), "--compare-bounces",
             "needs --out and --effects gi");
@@ -524,6 +530,7 @@ inline void check_together(const Options& options) {
         require((options.effects & kind.effects) == kind.effects, "--dump",
                 dump.name + " needs --effects " +
                     (kind.effects == DGB_EFFECT_AO          ? "ao"
+                     : kind.effects == DGB_EFFECT_BENT      ? "bent"
                      : kind.effects == DGB_EFFECT_RADIOSITY ? "gi"
                      : kind.effects == DGB_EFFECT_GLOSSY    ? "glossy"
                                                             : "reflect"));

@@ -71,6 +71,7 @@ inline Floats dump_pixels(const SceneRenderer& r, const std::string& name) {
     if (name == "radiance0" || name == "radiance1") { return layer_colors(r, DGB_RADIANCE, layer); }
     if (name == "ao") { return r.read_texture(DGB_AO, 0, GL_RED); }
     if (name == "ao_raw") { return r.read_texture(DGB_AO_RAW, 0, GL_RED); }
+    if (name == "bent") { return r.read_texture(DGB_BENT, 0, GL_RGB); }
     if (name == "irradiance0") { return r.read_texture(DGB_IRRADIANCE, 0, GL_RGB); }
     if (name == "irradiance0_raw") { return r.read_texture(DGB_IRRADIANCE_RAW, 0, GL_RGB); }
     if (name == "irradiance1") { return r.read_texture(DGB_IRRADIANCE1, 0, GL_RGB); }

@@ -141,7 +141,9 @@ uniform sampler2D u_direct;
 uniform sampler2D u_ao;
 uniform sampler2D u_irradiance;
 uniform sampler2D u_reflection;
+uniform sampler2D u_bent;
 uniform int u_has_ao;
+uniform int u_has_bent;
 uniform int u_has_irradiance;
 uniform int u_has_reflection; // 1: of mirrors only; 2: of rough surfaces as well
 uniform float u_covered; // share of the hemisphere; negative: by the confidence of the irradiance
@@ -204,7 +206,8 @@ void main() {
     vec4 surface = texelFetch(u_normal, ivec3(p, 0), 0);
     vec3 normal = transpose(mat3(u_view)) * decode_normal(surface.rg);
     float confidence = u_covered < 0.0 ? irradiance.a : 0.5 * u_covered; // which dgb_fallback doubles
-    vec3 ambient = dgb_fallback(PI * probe_radiance(normal), visibility, vec4(irradiance.rgb, confidence));
+    vec3 open = u_has_bent != 0 ? dgb_bent_direction(texelFetch(u_bent, p, 0), normal) : normal;
+    vec3 ambient = dgb_fallback(PI * probe_radiance(open), visibility, vec4(irradiance.rgb, confidence));
 
     vec3 view = ray_direction(gl_FragCoord.xy + float(u_guard)), sky = sky_radiance(view);
     vec3 direct = empty ? sky : texelFetch(u_direct, p, 0).rgb;
@@ -541,8 +544,10 @@ void SceneRenderer::composite(std::optional<float> covered) {
     bind_if_there("u_irradiance", 4, DGB_IRRADIANCE);
     bind_layer(program, "u_normal", 5, texture(DGB_NORMAL));
     bind_if_there("u_reflection", 6, DGB_REFLECTION);
+    bind_if_there("u_bent", 7, DGB_BENT);
     set_uniform(program, "u_has_reflection", has(DGB_REFLECTION_RAW) ? 2 : int(has(DGB_REFLECTION)));
     set_uniform(program, "u_has_ao", int(has(DGB_AO)));
+    set_uniform(program, "u_has_bent", int(has(DGB_BENT)));
     set_uniform(program, "u_has_irradiance", int(has(DGB_IRRADIANCE)));
     set_uniform(program, "u_covered", covered.value_or(-1.0f));
     set_uniform(program, "u_guard", desc_.layers.guard_band);

@@ -74,6 +74,22 @@ vec2 dgb_pixel_pair(ivec2 pixel, int frame) {
     return (vec2(turns >> 9u) + 0.5) / 8388608.0;
 }
 
+int dgb_hilbert_index(ivec2 pixel) {
+    uvec2 p     = uvec2(pixel);
+    uint  index = 0u;
+    for (int bit = 5; bit >= 0; --bit) {
+        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper
+        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);
+        p             = quarter.y == 0u ? p.yx ^ (0u - quarter.x) : p;
+    }
+    return int(index);
+}
+
+vec4 dgb_pixel_quad(ivec2 pixel, int frame) {
+    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;
+    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;
+}
+
 int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     // in brackets: what is the same for all taps
     return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;

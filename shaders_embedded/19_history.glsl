@@ -2,7 +2,6 @@
 // temporal and glossy.
 
 const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history
-const float DGB_MOST_FRAMES      = 64.0; // counted
 const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger
 
 struct dgb_reprojection {

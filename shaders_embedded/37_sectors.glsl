@@ -42,3 +42,31 @@ int dgb_sector_count(uint sectors) { // language versions 330 and 300 es have no
     uint fours = (pairs & 0x33333333u) + ((pairs >> 2) & 0x33333333u);
     return int((((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);
 }
+
+float dgb_slice_angle(vec4 slice, float share) {
+    float horizon = slice.z + 0.5 * DGB_PI;
+    float t       = horizon * (2.0 / DGB_PI) * dgb_arc_sine(sqrt(share));
+    for (int i = 0; i < 3; ++i) { // Newton's; at the ends, where the share does not grow, t stays
+        float s = sin(t), c = cos(t);
+        float off = (s * s * slice.x + (t - s * c) * slice.y) * slice.w - share, slope = 2.0 * s * (c * slice.x + s * slice.y) * slice.w;
+        t = clamp(t - off / max(slope, 1e-3), 0.0, horizon);
+    }
+    return share < 1.0 ? t : horizon;
+}
+
+vec2 dgb_slice_sum(vec4 slice, float angle) {
+    float s = sin(angle), c = cos(angle), s3 = s * s * s, c3 = c * c * c;
+    return vec2(slice.x * (1.0 - c3) + slice.y * s3, slice.x * s3 + slice.y * (2.0 - 3.0 * c + c3)) * (2.0 / 3.0 * slice.w);
+}
+
+// Four sectors at a time, which lie so near together that any of them has their mean direction.
+vec2 dgb_sectors_mean(vec4 slice, uint sectors) {
+    vec2 sum = vec2(0.0), before = vec2(0.0);
+    for (int i = 1; i <= 8; ++i) {
+        vec2 up_to = dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125 * float(i)));
+        sum += (up_to - before) * (0.25 * float(dgb_sector_count(sectors & 15u)));
+        before = up_to;
+        sectors >>= 4u;
+    }
+    return sum;
+}

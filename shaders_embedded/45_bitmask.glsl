@@ -10,6 +10,7 @@ layout(std140) uniform dgb_bitmask_block {
     ivec4      dgb_bitmask_level;  // log2 q, min level, max level, 1: the second layer matters everywhere
     vec4       dgb_bitmask_radius; // r (m), r^2, thickness (m), largest reach (pixels)
     vec4       dgb_bitmask_scale;  // slices, 1 / slices, exponent of visibility, 0 to leave out the first layer
+    vec4       dgb_bitmask_world[3]; // camera to world, columns
 };
 
 uniform sampler2D dgb_z;
@@ -25,6 +26,9 @@ layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
 #else
 layout(location = 0) out vec4 dgb_out_ao;
+#if DGB_BENT
+layout(location = 1) out vec4 dgb_out_bent;
+#endif
 #endif
 
 struct dgb_receiver {
@@ -32,15 +36,16 @@ struct dgb_receiver {
     vec2  at; // where the surface is, pixels
     vec3  x, n, v; // v: towards the eye
     float reach;   // pixels
-    vec4  noise;   // of the slice: angle, height; of the steps, of the sectors; 0..1
+    vec4  noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1
 };
 
 struct dgb_march { // along one slice
     vec4 slice;
+    vec3 d;              // across the line of sight, unit
     vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane
     vec2 direction;      // in the image
     uint seen;           // sectors that are covered
-    vec3 light;          // sum over sectors
+    vec3 light;          // sum over sectors: of what they see, or, for DGB_BENT, of the directions of those that are covered
 };
 
 // Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; those within the radius have s from far to
@@ -63,8 +68,7 @@ dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
     r.n     = dgb_oct16_decode(normal);
     r.v     = -dgb_view(r.x, dgb_bitmask_camera);
     r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
-    // other pixels' numbers, which take other turns over the frames: the two pairs have nothing in common
-    r.noise = vec4(dgb_pixel_pair(pixel, dgb_bitmask_size.w), dgb_pixel_pair(pixel + ivec2(16384, 0), dgb_bitmask_size.w * 31));
+    r.noise = dgb_pixel_quad(pixel, dgb_bitmask_size.w);
     return r;
 }
 
@@ -72,7 +76,7 @@ dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
 dgb_march dgb_march_at(dgb_receiver r, float shift) {
     vec4  noise    = fract(r.noise + shift);
     vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;
-    float height   = 1.0 - 2.0 * noise.y;
+    float height   = 1.0 - 2.0 * noise.z;
     vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));
     vec3  across   = cross(d, r.v);
     vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));
@@ -80,6 +84,7 @@ dgb_march dgb_march_at(dgb_receiver r, float shift) {
     vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
     dgb_march m;
     m.slice     = dgb_slice(r.n, r.v, d);
+    m.d         = d;
     m.towards   = r.v + oblique.x * across;
     m.along     = d + oblique.y * across;
     vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d
@@ -194,7 +199,7 @@ void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, 
 #endif
 }
 
-// Means over all slices. rgb: irradiance; a: share of the cosine-weighted hemisphere that is covered.
+// Means over all slices. rgb: irradiance over pi, or covered directions; a: share of the cosine-weighted hemisphere that is covered.
 vec4 dgb_look(dgb_receiver r, bool there, bool second) {
     int   steps = dgb_bitmask_size.z;
     float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.reach / float(steps);
@@ -202,17 +207,29 @@ vec4 dgb_look(dgb_receiver r, bool there, bool second) {
     for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {
         float     shift  = float(i) * pair;
         dgb_march m      = dgb_march_at(r, shift);
-        vec2      jitter = fract(r.noise.zw + shift);
+        vec2      jitter = fract(r.noise.yw + shift);
         for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);
+#if DGB_BENT
+        vec2 covered = 32.0 * dgb_sectors_mean(m.slice, m.seen);
+        m.light      = covered.x * r.v + covered.y * m.d;
+#endif
         sum += vec4(m.light, float(dgb_sector_count(m.seen)));
     }
-    sum *= pair / 32.0;
-    return vec4(DGB_PI * sum.rgb, sum.a);
+    return sum * (pair / 32.0);
 }
 
 #if DGB_BITMASK_LIGHT
 // Irradiance of what is covered as if it covered all, and how much it covers: their product is what arrives.
-vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(look.rgb / look.a) : vec3(0.0), look.a); }
+vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(DGB_PI * look.rgb / look.a) : vec3(0.0), look.a); }
+#endif
+
+#if DGB_BENT
+// Mean of the open directions in world space, weighted by the cosine, and their share. What is covered is taken from the whole,
+// 2/3 of the normal: where nothing is, there is no noise.
+vec4 dgb_bent(dgb_receiver r, vec4 look) {
+    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;
+    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);
+}
 #endif
 
 void main() {
@@ -231,7 +248,11 @@ void main() {
     dgb_out_irradiance1 = dgb_irradiance(dgb_look(r, z.x > DGB_EMPTY_Z && z.y > DGB_EMPTY_Z && tile.z, true));
 #endif
 #else
-    float visibility = 1.0 - dgb_look(r, z.x > DGB_EMPTY_Z, tile.x).a;
+    vec4  look       = dgb_look(r, z.x > DGB_EMPTY_Z, tile.x);
+    float visibility = 1.0 - look.a;
     dgb_out_ao       = vec4(dgb_bitmask_scale.z == 1.0 ? visibility : pow(visibility, dgb_bitmask_scale.z));
+#if DGB_BENT
+    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_bent(r, look) : vec4(0.0, 0.0, 0.0, 1.0);
+#endif
 #endif
 }

@@ -1,10 +1,14 @@
 // Temporal filter: an exponentially weighted average along the motion of each surface, over ambient visibility, irradiance and
 // confidence (paper, section 3.3). History may come from either layer, wherever the surface was last frame. The first frames
-// weigh alike, so that a surface that has just come into view settles as fast as it can.
+// weigh alike, so that a surface that has just come into view settles as fast as it can. With DGB_LIMITED, what stands out from
+// the 3 x 3 pixels of this frame is limited: history where the surface moves, and single samples.
+
+const float DGB_MOST_FRAMES = 1000.0; // counted: a half holds them exactly, and the greatest weight needs 999
 
 layout(std140) uniform dgb_temporal_block {
     dgb_camera       dgb_temporal_camera;
-    vec4             dgb_temporal_weight; // of history
+    vec4             dgb_temporal_weight; // of history; standard deviations, and times the mean, that are let through; frame
+    ivec4            dgb_temporal_present; // shaded rectangle: x0, y0, x1, y1, the last two inclusive
     dgb_reprojection dgb_temporal_past;
 };
 
@@ -13,6 +17,10 @@ uniform sampler2D dgb_normals;
 uniform sampler2D dgb_last_frames;
 #if DGB_FILTER_AO
 uniform sampler2D dgb_ao_raw;
+#endif
+#if DGB_BENT
+uniform sampler2D dgb_bent_raw;
+uniform sampler2D dgb_last_bent;
 #endif
 #if DGB_LAST_LIGHT
 uniform sampler2D dgb_irradiance_raw;
@@ -28,11 +36,20 @@ layout(location = 1) out vec4 dgb_out_irradiance;
 #if DGB_DEEP
 layout(location = 2) out vec4 dgb_out_irradiance1;
 #endif
+#if DGB_BENT && DGB_DEEP
+layout(location = 3) out vec4 dgb_out_bent;
+#elif DGB_BENT && DGB_LAST_LIGHT
+layout(location = 2) out vec4 dgb_out_bent;
+#elif DGB_BENT
+layout(location = 1) out vec4 dgb_out_bent;
+#endif
 
 struct dgb_history {
+    float moved; // pixels since last frame
     vec4  irradiance;
     float frames, share; // share: of the bilinear weights that the surface still has
     float visibility, visibility_frames, visibility_share;
+    vec4  bent; // with the visibility's frames and share
 };
 
 // Layers hand on irradiance to each other, but visibility exists for the first alone.
@@ -48,6 +65,10 @@ void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) 
     h.visibility_share += weight;
     h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);
     h.visibility_frames += weight * dgb_storable(frames.y);
+#if DGB_BENT
+    vec4 bent = texelFetch(dgb_last_bent, texel, 0);
+    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through
+#endif
 }
 
 dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
@@ -56,7 +77,8 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
     dgb_past    past = dgb_past_of(at, x, dgb_oct16_decode(normal), dgb_velocity_at(layer, pixel), dgb_temporal_past);
     vec2        low  = floor(past.pixel - 0.5), part = past.pixel - 0.5 - low;
     dgb_history h;
-    h.irradiance = vec4(0.0);
+    h.moved      = length(at - past.pixel);
+    h.irradiance = h.bent = vec4(0.0);
     h.frames = h.share = h.visibility = h.visibility_frames = h.visibility_share = 0.0;
     for (int i = past.tolerance < 0.0 || !(z > DGB_EMPTY_Z) ? 4 : 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1), texel = ivec2(low) + corner;
@@ -72,11 +94,58 @@ float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb
 
 float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
 
-vec4 dgb_filtered(vec4 raw, inout dgb_history h) {
-    float share = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
+// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with
+// a small share of each frame, an average stays where a frame moves it less than it rounds.
+vec4 dgb_dithered(vec4 x, ivec2 pixel) {
+    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));
+    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one
+    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), greaterThanEqual(abs(x), vec4(6.103515625e-5))); // 2^-14
+}
+
+#if DGB_LIMITED
+// What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.
+vec4 dgb_sample_at(int of, ivec2 p) {
+#if DGB_DEEP
+    if (of == 1) return dgb_weigh(texelFetch(dgb_irradiance1_raw, p, 0));
+#endif
+#if DGB_FILTER_AO
+    if (of == -1) return vec4(texelFetch(dgb_ao_raw, p, 0).x);
+#endif
+#if DGB_LAST_LIGHT
+    if (of == 0) return dgb_weigh(texelFetch(dgb_irradiance_raw, p, 0));
+#endif
+    return vec4(0.0);
+}
+
+float dgb_brightest(vec4 light) { return max(light.r, max(light.g, light.b)); }
+
+// Limits a sample and the history, both weighed, by the mean and the standard deviation of the 3 x 3 samples. A surface that moves
+// a pixel a frame or more has the narrowest box, one that stands still has none: there the box would only add the noise of a frame.
+void dgb_limit(int of, ivec2 pixel, float moved, bool known, inout vec4 present, inout vec4 history) {
+    vec4 sum = vec4(0.0), squares = vec4(0.0);
+    for (int i = 0; i < 9; ++i) {
+        ivec2 p = clamp(pixel + ivec2(i % 3, i / 3) - 1, dgb_temporal_present.xy, dgb_temporal_present.zw);
+        vec4  s = dgb_sample_at(of, p);
+        sum += s;
+        squares += s * s;
+    }
+    vec4  mean = sum / 9.0, others = max(sum - present, 0.0) / 8.0;
+    vec4  side = sqrt(max(squares / 9.0 - mean * mean, 0.0)) * (dgb_temporal_weight.y / clamp(moved, 1e-3, 1.0));
+    if (dgb_temporal_weight.y > 0.0 && moved > 0.0) history = clamp(history, mean - side, mean + side);
+    float own = dgb_brightest(present), most = dgb_temporal_weight.z * max(dgb_brightest(others), known ? dgb_brightest(history) : 0.0);
+    if (dgb_temporal_weight.z > 0.0 && of >= 0 && own > most) present.rgb *= most / own;
+}
+#endif
+
+vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {
+    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
+    vec4  present = dgb_weigh(raw), history = h.irradiance * share;
     h.frames *= share;
-    vec4 mean = dgb_unweigh(mix(dgb_weigh(raw), h.irradiance * share, dgb_history_weight(h.frames)));
-    return mean.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(mean.rgb), mean.a) : vec4(0.0);
+#if DGB_LIMITED
+    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);
+#endif
+    vec4 mean = dgb_unweigh(mix(present, history, dgb_history_weight(h.frames)));
+    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), pixel) : vec4(0.0);
 }
 
 void main() {
@@ -88,24 +157,32 @@ void main() {
     dgb_history h = dgb_history_of(0, pixel, z.x, normals.xy);
 #if DGB_LAST_LIGHT
     vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);
-    vec4 filtered      = dgb_filtered(raw, h);
+    vec4 filtered      = dgb_filtered(0, pixel, raw, h);
     dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;
 #else
-    dgb_filtered(vec4(0.0), h);
+    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
 #endif
 #if DGB_FILTER_AO
     float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;
     h.visibility_frames *= share;
-    float open = texelFetch(dgb_ao_raw, pixel, 0).x;
-    open       = mix(open, h.visibility * share, dgb_history_weight(h.visibility_frames));
-    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open, dgb_one_more(h.visibility_frames));
+    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);
+#if DGB_LIMITED
+    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);
+#endif
+    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);
+    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));
+#endif
+#if DGB_BENT
+    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);
+    vec4 average = mix(bent, h.bent * share, dgb_history_weight(h.visibility_frames));
+    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, pixel) : bent;
 #endif
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);
 
 #if DGB_DEEP
     dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);
     vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);
-    vec4        deep    = dgb_filtered(raw1, h1);
+    vec4        deep    = dgb_filtered(1, pixel, raw1, h1);
     dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? deep : raw1;
     if (z.y > DGB_EMPTY_Z) dgb_out_frames.w = dgb_one_more(h1.frames);
 #endif

@@ -15,6 +15,7 @@ struct dgb_lit { // a surface and what is known of its light
     vec2  normal; // Oct16
     float ao;
     vec4  irradiance; // a: confidence
+    vec4  bent;
 };
 
 // Two numbers from 0 to 64512 in 32 bits, each as exact as a half float: no sign, 6 bits of exponent, 10 of mantissa. Less than
@@ -38,6 +39,9 @@ uniform sampler2D dgb_normals;
 #if DGB_FILTER_AO
 uniform sampler2D dgb_ao_raw;
 #endif
+#if DGB_BENT
+uniform sampler2D dgb_bent_raw;
+#endif
 #if DGB_FILTER_IRRADIANCE
 uniform sampler2D dgb_irradiance_raw;
 #endif
@@ -48,15 +52,18 @@ uniform sampler2D dgb_irradiance1_raw;
 dgb_lit dgb_lit_at(int layer, ivec2 p) {
     vec2    z       = texelFetch(dgb_z, p, 0).xy;
     vec4    normals = texelFetch(dgb_normals, p, 0);
-    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0));
+    dgb_lit s       = dgb_lit(z.x, normals.xy, 1.0, vec4(0.0), vec4(0.0));
 #if DGB_FILTER_AO
     s.ao = texelFetch(dgb_ao_raw, p, 0).x;
+#endif
+#if DGB_BENT
+    s.bent = texelFetch(dgb_bent_raw, p, 0);
 #endif
 #if DGB_FILTER_IRRADIANCE
     s.irradiance = texelFetch(dgb_irradiance_raw, p, 0);
 #endif
 #if DGB_DEEP
-    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0));
+    if (layer == 1) s = dgb_lit(z.y, normals.zw, 1.0, texelFetch(dgb_irradiance1_raw, p, 0), vec4(0.0));
 #endif
     return s;
 }
@@ -65,6 +72,9 @@ uniform usampler2D dgb_half;
 #if DGB_DEEP
 uniform usampler2D dgb_half1;
 #endif
+#if DGB_BENT
+uniform sampler2D dgb_half_bent;
+#endif
 
 dgb_lit dgb_lit_at(int layer, ivec2 p) {
     uvec4 t = texelFetch(dgb_half, p, 0);
@@ -72,7 +82,11 @@ dgb_lit dgb_lit_at(int layer, ivec2 p) {
     if (layer == 1) t = texelFetch(dgb_half1, p, 0);
 #endif
     vec2 normal = vec2(t.y & 255u, (t.y >> 8) & 255u) * (1.0 / 255.0);
-    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)));
+    vec4 bent   = vec4(0.0);
+#if DGB_BENT
+    bent = texelFetch(dgb_half_bent, p, 0);
+#endif
+    return dgb_lit(uintBitsToFloat(t.x), normal, float(t.y >> 16) * (1.0 / 65535.0), vec4(dgb_unpack(t.z), dgb_unpack(t.w)), bent);
 }
 #endif
 
@@ -81,6 +95,11 @@ dgb_lit dgb_lit_at(int layer, ivec2 p) {
 layout(location = 0) out uvec4 dgb_out_half;
 #if DGB_DEEP
 layout(location = 1) out uvec4 dgb_out_half1;
+#endif
+#if DGB_BENT && DGB_DEEP
+layout(location = 2) out vec4 dgb_out_half_bent;
+#elif DGB_BENT
+layout(location = 1) out vec4 dgb_out_half_bent;
 #endif
 
 uvec4 dgb_texel(dgb_lit s) {
@@ -99,16 +118,24 @@ layout(location = 2) out vec4 dgb_out_irradiance1;
 #elif DGB_DEEP
 layout(location = 1) out vec4 dgb_out_irradiance1;
 #endif
+#if DGB_BENT && DGB_DEEP
+layout(location = 3) out vec4 dgb_out_bent;
+#elif DGB_BENT && DGB_FILTER_IRRADIANCE
+layout(location = 2) out vec4 dgb_out_bent;
+#elif DGB_BENT
+layout(location = 1) out vec4 dgb_out_bent;
+#endif
 #endif
 
 struct dgb_sums {
     float weight, ao;
-    vec4  irradiance;
+    vec4  irradiance, bent;
 };
 
 void dgb_add(inout dgb_sums sums, float weight, dgb_lit s) {
     sums.weight += weight;
     sums.ao += weight * s.ao;
+    sums.bent += weight * s.bent;
     sums.irradiance += vec4(s.irradiance.rgb * (weight * s.irradiance.a), weight * s.irradiance.a); // dgb_weigh
 }
 
@@ -135,7 +162,7 @@ dgb_lit dgb_filtered(int layer, ivec2 pixel) {
     dgb_origin x    = dgb_origin_at(dgb_centre(layer, pixel), s.z, dgb_reconstruct_camera);
     dgb_filter f    = dgb_filter(layer, pixel, x, dgb_oct16_decode(s.normal));
     int        side = s.z > DGB_EMPTY_Z ? dgb_reconstruct_axis.z : 0, here = pixel[DGB_AXIS];
-    dgb_sums   sums = dgb_sums(0.0, 0.0, vec4(0.0));
+    dgb_sums   sums = dgb_sums(0.0, 0.0, vec4(0.0), vec4(0.0));
     dgb_add(sums, dgb_reconstruct_weights[0].x, s);
     for (int i = 1; i <= side; ++i) { // on both sides at once: i is the same for all pixels, and so is what it reads
         int   before = here - i * dgb_reconstruct_axis[DGB_AXIS], after = here + i * dgb_reconstruct_axis[DGB_AXIS];
@@ -145,6 +172,7 @@ dgb_lit dgb_filtered(int layer, ivec2 pixel) {
     }
     vec4 irradiance = dgb_unweigh(sums.irradiance / sums.weight);
     s.ao            = sums.ao / sums.weight;
+    s.bent          = sums.bent / sums.weight;
     s.irradiance    = vec4(dgb_storable(irradiance.rgb), irradiance.a);
     return s;
 }
@@ -157,9 +185,15 @@ void main() {
 #if DGB_DEEP
     dgb_out_half1 = dgb_texel(dgb_filtered(1, pixel));
 #endif
+#if DGB_BENT
+    dgb_out_half_bent = s.bent;
+#endif
 #else
 #if DGB_FILTER_AO
     dgb_out_ao = vec4(s.ao);
+#endif
+#if DGB_BENT
+    dgb_out_bent = s.bent;
 #endif
 #if DGB_FILTER_IRRADIANCE
     dgb_out_irradiance = s.irradiance;

@@ -51,6 +51,7 @@ float dgb_blur(dgb_lobe lobe, float way) {
     return 2.0 * lobe.alpha * way * dgb_pixels_per_metre(dgb_image_of(lobe, way).z, dgb_glossy_camera);
 }
 
+const float DGB_MOST_FRAMES = 64.0; // counted
 const float DGB_MOST_WEIGHT = 4.0; // of a neighbour's ray: where lobes differ, one ray must not stand for all
 
 // Weight of a neighbour's ray; zero light if it is not to be seen from here. A miss has a direction, a hit a point, which from

@@ -719,6 +719,58 @@ static void check_estimator(dgb_desc d) {
     }
 }
 
+static bool reads(const dgb_plan_pass* pass, dgb_slot name, dgb_slot texture) {
+    int i;
+    for (i = 0; i < pass->input_count; ++i)
+        if (pass->inputs[i].name == name && pass->inputs[i].texture == texture) return true;
+    return false;
+}
+
+/* Last of all that a pass writes, so that the others stay where they are. */
+static bool writes_last(const dgb_plan_pass* pass, dgb_slot slot) {
+    return pass->output_count > 0 && pass->outputs[pass->output_count - 1] == slot;
+}
+
+/* The way of DGB_BENT through the passes; without the effect nothing of it is there. */
+static void check_bent(uint32_t effects, int layers) {
+    const bool temporal = (effects & DGB_EFFECT_TEMPORAL) != 0;
+    dgb_desc d = small_desc(layers, effects | DGB_EFFECT_BENT);
+    dgb_plan with, without;
+    int i, textures = 0;
+    d.estimator = DGB_ESTIMATOR_BITMASK;
+    with = make_plan(&d);
+    d.effects = effects;
+    without = make_plan(&d);
+    assert_int_equal(with.pass_count, without.pass_count);
+    assert_int_equal(with.texture_count, without.texture_count + (temporal ? 5 : 3));
+    for (i = 0; i < with.texture_count; ++i)
+        textures += with.textures[i].slot == DGB_BENT && with.textures[i].format == DGB_FORMAT_RGBA16F;
+    assert_int_equal(textures, 1);
+    for (i = 0; i < with.pass_count; ++i) {
+        const dgb_plan_pass* p = &with.passes[i];
+        if (p->id == DGB_PASS_AO) assert_true(writes_last(p, DGB_BENT_RAW));
+        if (p->id == DGB_PASS_TEMPORAL)
+            assert_true(reads(p, DGB_BENT_RAW, DGB_BENT_RAW) && reads(p, DGB_LAST_BENT, DGB_LAST_BENT) &&
+                        writes_last(p, DGB_BENT_MEAN));
+        if (p->id == DGB_PASS_RECONSTRUCT && p->level == 0)
+            assert_true(reads(p, DGB_BENT_RAW, temporal ? DGB_BENT_MEAN : DGB_BENT_RAW) &&
+                        writes_last(p, DGB_HALF_BENT));
+        if (p->id == DGB_PASS_RECONSTRUCT && p->level == 1)
+            assert_true(reads(p, DGB_HALF_BENT, DGB_HALF_BENT) && writes_last(p, DGB_BENT));
+    }
+    assert_int_equal(define_of(&with, DGB_PASS_AO, "DGB_BENT"), 1);
+    assert_int_equal(define_of(&without, DGB_PASS_AO, "DGB_BENT"), 0);
+}
+
+static void test_bent(void** state) {
+    uint32_t effects;
+    int layers;
+    (void)state;
+    for (effects = 0; effects <= ALL_EFFECTS; ++effects)
+        for (layers = 1; layers <= 2 && makes_sense(effects) && (effects & DGB_EFFECT_AO); ++layers)
+            check_bent(effects, layers);
+}
+
 static void test_estimator(void** state) {
     uint32_t effects;
     int layers;
@@ -839,7 +891,7 @@ static void test_divisor(void** state) {
         dgb_pass_id pass;
         int places;
     } users[] = {
-        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 1}, {DGB_PASS_RECONSTRUCT, 2}};
+        {DGB_PASS_PACK, 1}, {DGB_PASS_AO, 1}, {DGB_PASS_GATHER, 2}, {DGB_PASS_TEMPORAL, 2}, {DGB_PASS_RECONSTRUCT, 2}};
     int divisor, i, k;
     size_t user;
     (void)state;
@@ -951,12 +1003,20 @@ static const struct {
     {"default layers of 1", {SIZE, .backend = &one_layer}, DGB_INVALID, DGB_LOG_LAYERS},
     {"bounces of nothing", {SIZE, .effects = DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"bounces of occlusion", {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_BOUNCES}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"directions of the paper's estimator",
+     {SIZE, .effects = DGB_EFFECT_AO | DGB_EFFECT_BENT},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
+    {"directions without occlusion",
+     {SIZE, .effects = DGB_EFFECT_RADIOSITY | DGB_EFFECT_BENT, .estimator = DGB_ESTIMATOR_BITMASK},
+     DGB_INVALID,
+     DGB_LOG_EFFECTS},
     {"temporal filter of nothing", {SIZE, .effects = DGB_EFFECT_TEMPORAL}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"temporal filter of bounces",
      {SIZE, .effects = DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL},
      DGB_INVALID,
      DGB_LOG_EFFECTS},
-    {"effect 64", {SIZE, .effects = 64 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
+    {"effect 128", {SIZE, .effects = 128 | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"glossy alone", {SIZE, .effects = DGB_EFFECT_GLOSSY | DGB_EFFECT_AO}, DGB_INVALID, DGB_LOG_EFFECTS},
     {"glossy over time, no velocity",
      {SIZE, .effects = GLOSSY | DGB_EFFECT_TEMPORAL, .targets = DGB_TARGET_NORMAL | DGB_TARGET_RADIANCE},
@@ -1283,6 +1343,7 @@ int main(void) {
         cmocka_unit_test(test_tracer),
         cmocka_unit_test(test_back),
         cmocka_unit_test(test_estimator),
+        cmocka_unit_test(test_bent),
         cmocka_unit_test(test_divisor),
         cmocka_unit_test(test_automatic_emission),
         cmocka_unit_test(test_refusals),

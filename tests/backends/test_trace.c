@@ -1318,9 +1318,11 @@ static void test_bitmask_uniforms(void** state) {
     const dgb_bitmask_uniforms *ao, *light;
     const dgb_tiles_uniforms* tiles;
     fixture f;
+    int i;
     (void)state;
     start(&f);
     f.desc.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    for (i = 0; i < 9; ++i) f.view.view[4 * (i % 3) + i / 3] = (float)(i + 1); /* no two alike */
     f.desc.estimator = DGB_ESTIMATOR_BITMASK;
     f.params.ao_radius = 2.0f;
     f.params.ao_samples = 37; /* two slices, four sides: 9 steps each */
@@ -1346,6 +1348,7 @@ static void test_bitmask_uniforms(void** state) {
     assert_true(light->radius[0] == 3.0f && light->radius[1] == 9.0f && light->radius[2] == 0.125f);
     assert_true(fabsf(ao->radius[3] - sqrtf(80.0f * 80.0f + 64.0f * 64.0f)) < 1e-4f);
     assert_true(ao->scale[0] == 2.0f && ao->scale[1] == 0.5f && ao->scale[2] == 1.5f && ao->scale[3] == 1.0f);
+    for (i = 0; i < 9; ++i) assert_true(ao->world[i / 3][i % 3] == f.view.view[4 * (i % 3) + i / 3]); /* turned back */
     /* what is behind a surface may reach farther into the radius than the surface itself */
     assert_true(tiles->radius[0] == 2.125f && tiles->radius[1] == 3.125f);
     stop(&f);
@@ -2240,6 +2243,8 @@ static void set_boost_saturated(dgb_params* p, float x) { p->boost_saturated = x
 static void set_history_weight(dgb_params* p, float x) { p->history_weight = x; }
 static void set_history_tolerance(dgb_params* p, float x) { p->history_tolerance = x; }
 static void set_history_floor(dgb_params* p, float x) { p->history_floor = x; }
+static void set_history_clamp(dgb_params* p, float x) { p->history_clamp = x; }
+static void set_sample_clamp(dgb_params* p, float x) { p->sample_clamp = x; }
 static void set_filter_taps(dgb_params* p, float x) { p->filter_taps = (int)x; }
 static void set_filter_step(dgb_params* p, float x) { p->filter_step = (int)x; }
 static void set_normal_sharpness(dgb_params* p, float x) { p->normal_sharpness = x; }
@@ -2303,6 +2308,8 @@ static const struct {
      {0, 0.005f, 1, 100},
      {-0.001f, -1, -1e30f, -1}},
     {"history_floor", set_history_floor, DGB_LOG_HISTORY_PARAMS, true, {0, 0.01f, 1, 1e6f}, {-0.001f, -1, -1e30f, -1}},
+    {"history_clamp", set_history_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 1, 3, 1e30f}, {-0.001f, -1, -1e30f, -1}},
+    {"sample_clamp", set_sample_clamp, DGB_LOG_HISTORY_PARAMS, true, {0, 0.5f, 8, 1e30f}, {-0.001f, -1, -1e30f, -1}},
     {"filter_taps", set_filter_taps, DGB_LOG_FILTER_PARAMS, false, {1, 25, 9, 11}, {0, 2, 27, -1}},
     {"filter_step", set_filter_step, DGB_LOG_FILTER_PARAMS, false, {1, 8, 2, 3}, {0, 9, -1, 1e6f}},
     {"normal_sharpness", set_normal_sharpness, DGB_LOG_FILTER_PARAMS, true, {0, 1, 4, 100}, {-0.001f, -1, -1e30f, -1}},

@@ -357,6 +357,101 @@ static void test_back_of_a_lamp(void** state) {
     }
 }
 
+/* >> bent directions */
+
+/* As true_visibility, the mean of the open directions, camera space. */
+static void true_bent(const double x[3], const body* b, double radius, double bent[3]) {
+    enum { TURNS = 256, RINGS = 64 };
+    int turn, ring, k;
+    memset(bent, 0, 3 * sizeof *bent);
+    for (turn = 0; turn < TURNS; ++turn)
+        for (ring = 0; ring < RINGS; ++ring) {
+            const double sine2 = (ring + 0.5) / RINGS, angle = 2.0 * PI * (turn + 0.5) / TURNS;
+            const double way[3] = {sqrt(sine2) * cos(angle), sqrt(sine2) * sin(angle), sqrt(1.0 - sine2)};
+            for (k = 0; k < 3 && !hides(b, x, way, radius); ++k) bent[k] += way[k] / (TURNS * RINGS);
+        }
+}
+
+/* A turn of the world: its rows are the camera's axes. */
+static void turn_view(scene* s, float turned[3][3]) {
+    static const float rows[3][3] = {{0.36f, 0.48f, -0.8f}, {-0.8f, 0.6f, 0.0f}, {0.48f, 0.64f, 0.6f}};
+    int i, k;
+    memcpy(turned, rows, sizeof rows);
+    for (i = 0; i < 3; ++i)
+        for (k = 0; k < 3; ++k) s->view.view[4 * k + i] = rows[i][k];
+}
+
+/* An open wall: 2/3 of its normal, in every frame and after both filters, within some ulps of halves; and all of it. */
+static void test_open_is_the_normal(void** state) {
+    const dgb_slot slots[] = {DGB_BENT_RAW, DGB_BENT_MEAN, DGB_BENT};
+    const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
+    scene s = open_scene(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    float rows[3][3];
+    int slot, i, k;
+    (void)state;
+    turn_view(&s, rows);
+    trace(&s, &wall, 1);
+    for (i = 0; i < 3; ++i) shade(&s);
+    for (slot = 0; slot < 3; ++slot) {
+        float* bent = read_image(&s, slots[slot], 4);
+        for (i = 0; i < 97 * 71; ++i) {
+            for (k = 0; k < 3; ++k) assert_true(fabsf(bent[4 * i + k] - 2.0f / 3.0f * rows[2][k]) < 1e-3f);
+            assert_true(bent[4 * i + 3] == 1.0f);
+        }
+        free(bent);
+    }
+    close_scene(&s);
+}
+
+/* Beside the bodies of test_bodies, an average of so many frames against rays; bounds as there. The filter of one tap hands on what
+   the temporal filter has, and sky is open to nowhere. */
+static void test_bent_beside_a_body(void** state) {
+    static const pane panes[] = {{{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
+                                 {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 52.0, 0.0}, 0.0}};
+    static const body thick = {&panes[0], 0.4};
+    scene s = open_scene(193, 145, 1, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    float rows[3][3], *bent, *mean, *frames;
+    double worst = 0.0, sum[3] = {0.0, 0.0, 0.0}, aside = 0.0;
+    int x, i, k, frame, compared = 0;
+    (void)state;
+    turn_view(&s, rows);
+    s.params.ao_radius = 1.5f;
+    s.params.ao_samples = 96;
+    s.params.thickness = 0.4f;
+    s.params.filter_taps = 1;
+    s.params.history_weight = 0.98f;
+    trace(&s, panes, 2);
+    for (frame = 0; frame < 64; ++frame) shade(&s);
+    bent = read_image(&s, DGB_BENT, 4);
+    mean = read_image(&s, DGB_BENT_MEAN, 4);
+    frames = read_image(&s, DGB_FRAMES, 4);
+    for (i = 0; i < 4 * 193 * 145; ++i) assert_true(fabsf(bent[i] - mean[i]) <= 1e-3f);
+    for (k = 0; k < 4; ++k) assert_true(bent[4 * (144 * 193 + 10) + k] == (k < 3 ? 0.0f : 1.0f));
+    for (x = 50; x < 143; x += 4) {
+        double point[3], truth[3];
+        if (fabs((double)*images_at(&s.m, IMAGE_DEPTH, 0, x, 72) - (double)images_depth(5.0)) > 1e-6) continue;
+        point_on(&s, &panes[1], x, 72, point);
+        true_bent(point, &thick, 1.5, truth);
+        for (i = 0; i < 3; ++i) {
+            double value = 0.0;
+            for (k = 0; k < 3; ++k) value += (double)rows[i][k] * (double)bent[4 * (72 * 193 + x) + k];
+            worst = fmax(worst, fabs(value - truth[i]));
+            sum[i] += value - truth[i];
+        }
+        aside = fmin(aside, truth[0]);
+        /* the share is the visibility, but for what bytes and halves round */
+        assert_true(fabsf(bent[4 * (72 * 193 + x) + 3] - frames[4 * (72 * 193 + x)]) < 3e-3f);
+        ++compared;
+    }
+    print_message("bent: %d points, %.3f aside, error %.4f at most, %+.4f %+.4f %+.4f on average\n", compared, aside,
+                  worst, sum[0] / compared, sum[1] / compared, sum[2] / compared);
+    assert_true(compared >= 10 && aside < -0.1);
+    assert_true(worst < 0.03);
+    for (i = 0; i < 3; ++i) assert_true(fabs(sum[i] / compared) < 0.01);
+    free(bent), free(mean), free(frames);
+    close_scene(&s);
+}
+
 /* >> light */
 
 static const pane ground = {{-50.0, -1.0, -0.5}, {100.0, 0.0, 0.0}, {0.0, 0.0, -5.5}, 0.0};
@@ -489,10 +584,11 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planes_are_open), cmocka_unit_test(test_bodies),
-        cmocka_unit_test(test_thickness),       cmocka_unit_test(test_glowing_wall),
-        cmocka_unit_test(test_back_of_a_lamp),  cmocka_unit_test(test_hidden_lamp),
-        cmocka_unit_test(test_any_image),       cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_open_is_the_normal), cmocka_unit_test(test_bent_beside_a_body),
+        cmocka_unit_test(test_planes_are_open),    cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_thickness),          cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),     cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_any_image),          cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
 }

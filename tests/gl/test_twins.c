@@ -47,13 +47,14 @@ static const char vertex_text[] =
     "    gl_Position = vec4(corner - 1.0, 0.0, 1.0);\n"
     "}\n";
 
+static const char input_text[] = "uniform sampler2D twin_inputs;\n"
+                                 "uniform int twin_texels;\n"
+                                 "vec4 given(int k) {\n"
+                                 "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
+                                 "    return texelFetch(twin_inputs, ivec2(p.x * twin_texels + k, p.y), 0);\n"
+                                 "}\n";
+
 static const char helper_text[] =
-    "uniform sampler2D twin_inputs;\n"
-    "uniform int twin_texels;\n"
-    "vec4 given(int k) {\n"
-    "    ivec2 p = ivec2(gl_FragCoord.xy);\n"
-    "    return texelFetch(twin_inputs, ivec2(p.x * twin_texels + k, p.y), 0);\n"
-    "}\n"
     "dgb_camera given_camera() { return dgb_camera(given(1), given(2), given(3), given(4)); }\n"
     "uvec4 bits(float x) { return uvec4(floatBitsToUint(x), 0u, 0u, 0u); }\n"
     "uvec4 bits(vec3 v) { return uvec4(floatBitsToUint(v), 0u); }\n"
@@ -149,25 +150,28 @@ static GLuint upload_inputs(int texels) {
 }
 
 static GLuint program_of(const char* declaration, const char* statement) {
-    const char* texts[] = {library_text(), helper_text, declaration, "void main() {\n", statement, "}\n"};
-    return link_fragment(texts, 6);
+    const char* texts[] = {library_text(), input_text, helper_text, declaration, "void main() {\n", statement, "}\n"};
+    return link_fragment(texts, 7);
 }
 
-/* Fills out[] with `expression`, a uvec4 of given(0)...given(texels - 1). */
-static void evaluate(const char* expression, int texels) {
-    char statement[1024];
+/* Fills out[] with what a program makes of the inputs, and deletes it. */
+static void run(GLuint program, int texels) {
     const GLuint inputs = upload_inputs(texels),
                  target = texture_of(GL_RGBA32UI, SIDE, SIDE, GL_RGBA_INTEGER, GL_UNSIGNED_INT, NULL);
-    GLuint program;
-    assert_true(strlen(expression) + 32 < sizeof statement);
-    sprintf(statement, "    twin_out = %s;\n", expression);
-    program = program_of("layout(location = 0) out uvec4 twin_out;\n", statement);
     draw_cases(program, inputs, texels, target);
     glBindTexture(GL_TEXTURE_2D, target);
     glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, out);
     glDeleteTextures(1, &inputs);
     glDeleteTextures(1, &target);
     glDeleteProgram(program);
+}
+
+/* Fills out[] with `expression`, a uvec4 of given(0)...given(texels - 1). */
+static void evaluate(const char* expression, int texels) {
+    char statement[1024];
+    assert_true(strlen(expression) + 32 < sizeof statement);
+    sprintf(statement, "    twin_out = %s;\n", expression);
+    run(program_of("layout(location = 0) out uvec4 twin_out;\n", statement), texels);
 }
 
 /* >> inputs */
@@ -437,6 +441,26 @@ static void test_pixel_pair(void** state) {
         mismatches += out[i][0] != bits_of(u[0]) || out[i][1] != bits_of(u[1]);
     }
     check_equal("pixel pair", mismatches, 0);
+}
+
+static void test_pixel_quad(void** state) {
+    int i, k, mismatches = 0, misplaced = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) { /* two squares of the curve and more, then anywhere, on either side of 0 */
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits() % 16777216u) - 8388608);
+    }
+    evaluate("floatBitsToUint(dgb_pixel_quad(ivec2(given(0).xy), int(given(0).z)))", 1);
+    for (i = 0; i < CASES; ++i) {
+        float u[4];
+        dgb_pixel_quad((int)in[i][0][0], (int)in[i][0][1], (int)in[i][0][2], u);
+        for (k = 0; k < 4; ++k) mismatches += out[i][k] != bits_of(u[k]);
+    }
+    check_equal("pixel quad", mismatches, 0);
+    evaluate("uvec4(dgb_hilbert_index(ivec2(given(0).xy)), 0u, 0u, 0u)", 1);
+    for (i = 0; i < CASES; ++i) misplaced += (int)out[i][0] != dgb_hilbert_index((int)in[i][0][0], (int)in[i][0][1]);
+    check_equal("Hilbert index", misplaced, 0);
 }
 
 static void test_mip_level(void** state) {
@@ -974,6 +998,58 @@ static void test_sectors(void** state) {
     check_equal("sectors", mismatches, 0);
 }
 
+/* Newton's steps end within what sines of the device differ, over how fast the share grows there: at its ends, not at all. */
+static void test_directions(void** state) {
+    tally angles = tally_of("slice, share's angle"), sums = tally_of("slice sum"), means = tally_of("sectors mean");
+    int i, k;
+    (void)state;
+    for (i = 0; i < CASES; ++i) give_slice(i);
+    evaluate("uvec4(floatBitsToUint(dgb_slice_angle(dgb_slice(given(0).xyz, given(1).xyz, given(3).xyz), 0.05 + 0.9 * "
+             "given(4).z)), 0u, "
+             "floatBitsToUint(dgb_slice_sum(dgb_slice(given(0).xyz, given(1).xyz, given(3).xyz), 3.0 * given(4).w)))",
+             5);
+    for (i = 0; i < CASES; ++i) {
+        float slice[4], sum[2];
+        dgb_slice(in[i][0], in[i][1], in[i][3], slice);
+        dgb_slice_sum(slice, 3.0f * in[i][4][3], sum);
+        if (slice[3] > 20.0f) continue; /* a slice that holds next to nothing */
+        compare(&angles, device_float(i, 0), dgb_slice_angle(slice, 0.05f + 0.9f * in[i][4][2]), 1.0);
+        for (k = 0; k < 2; ++k) compare(&sums, device_float(i, 2 + k), sum[k], 1.0);
+    }
+    check(&angles, 5e-3);
+    check(&sums, 1e-3);
+    evaluate("uvec4(floatBitsToUint(dgb_sectors_mean(dgb_slice(given(0).xyz, given(1).xyz, given(3).xyz), "
+             "floatBitsToUint(given(4).x))), 0u, 0u)",
+             5);
+    for (i = 0; i < CASES; ++i) {
+        float slice[4], mean[2];
+        dgb_slice(in[i][0], in[i][1], in[i][3], slice);
+        dgb_sectors_mean(slice, bits_of(in[i][4][0]), mean);
+        for (k = 0; k < 2 && slice[3] <= 20.0f; ++k) compare(&means, device_float(i, k), mean[k], 1.0);
+    }
+    check(&means, 1e-3);
+}
+
+/* The snippet's, which no pass has. */
+static void test_bent_cosine(void** state) {
+    static char snippet[1 << 14];
+    const char* texts[] = {"#version 450 core\n", snippet, input_text, "layout(location = 0) out uvec4 twin_out;\n",
+                           "void main() { twin_out = uvec4(floatBitsToUint(dgb_bent_cosine(given(0)))); }\n"};
+    tally t = tally_of("bent cosine");
+    int i, k;
+    (void)state;
+    assert_true(dgbgl_composite_snippet(snippet, sizeof snippet) < sizeof snippet);
+    for (i = 0; i < CASES; ++i) {
+        const float length = random_in(0.67f, 0.99f), share = random_in(0.01f, 1.0f);
+        random_normal(in[i][0]);
+        for (k = 0; k < 3; ++k) in[i][0][k] *= length * share;
+        in[i][0][3] = share;
+    }
+    run(link_fragment(texts, 5), 1);
+    for (i = 0; i < CASES; ++i) compare(&t, device_float(i, 0), dgb_bent_cosine(in[i][0]), 1.0);
+    check(&t, 1e-5); /* a few ulps, under a root whose argument is 0.005 at least */
+}
+
 FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
@@ -999,6 +1075,7 @@ int main(void) {
         cmocka_unit_test(test_bilateral_weight),
         cmocka_unit_test(test_tap_placement),
         cmocka_unit_test(test_pixel_pair),
+        cmocka_unit_test(test_pixel_quad),
         cmocka_unit_test(test_ggx_alpha),
         cmocka_unit_test(test_ggx_normal),
         cmocka_unit_test(test_ggx_density),
@@ -1006,6 +1083,8 @@ int main(void) {
         cmocka_unit_test(test_arc_sine),
         cmocka_unit_test(test_slice),
         cmocka_unit_test(test_sectors),
+        cmocka_unit_test(test_directions),
+        cmocka_unit_test(test_bent_cosine),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

@@ -61,13 +61,16 @@ static const member gather_members[] = {
     VALUE("dgb_gather_level", dgb_gather_uniforms, level),    VALUE("dgb_gather_radius", dgb_gather_uniforms, radius),
     VALUE("dgb_gather_first", dgb_gather_uniforms, first),    ARRAY("dgb_gather_taps", dgb_gather_uniforms, taps)};
 
-static const member bitmask_members[] = {
-    CAMERA("dgb_bitmask_camera", dgb_bitmask_uniforms, camera), VALUE("dgb_bitmask_size", dgb_bitmask_uniforms, size),
-    VALUE("dgb_bitmask_level", dgb_bitmask_uniforms, level), VALUE("dgb_bitmask_radius", dgb_bitmask_uniforms, radius),
-    VALUE("dgb_bitmask_scale", dgb_bitmask_uniforms, scale)};
+static const member bitmask_members[] = {CAMERA("dgb_bitmask_camera", dgb_bitmask_uniforms, camera),
+                                         VALUE("dgb_bitmask_size", dgb_bitmask_uniforms, size),
+                                         VALUE("dgb_bitmask_level", dgb_bitmask_uniforms, level),
+                                         VALUE("dgb_bitmask_radius", dgb_bitmask_uniforms, radius),
+                                         VALUE("dgb_bitmask_scale", dgb_bitmask_uniforms, scale),
+                                         ARRAY("dgb_bitmask_world", dgb_bitmask_uniforms, world)};
 
 static const member temporal_members[] = {CAMERA("dgb_temporal_camera", dgb_temporal_uniforms, camera),
                                           VALUE("dgb_temporal_weight", dgb_temporal_uniforms, weight),
+                                          VALUE("dgb_temporal_present", dgb_temporal_uniforms, rect),
                                           PAST("dgb_temporal_past", dgb_temporal_uniforms)};
 
 static const member reconstruct_members[] = {CAMERA("dgb_reconstruct_camera", dgb_reconstruct_uniforms, camera),

@@ -143,10 +143,27 @@ static void write_all_snippets(const char* directory) {
             }
 }
 
+/* What BENT adds to programs, with and without light, a second layer and frames. */
+static void write_bent(const char* directory) {
+    static const uint32_t others[] = {0, DGB_EFFECT_RADIOSITY, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES};
+    int i, layers;
+    for (i = 0; i < 6; ++i)
+        for (layers = 1; layers <= 2; ++layers) {
+            dgb_desc desc;
+            memset(&desc, 0, sizeof desc);
+            desc.width = desc.height = 64;
+            desc.layers = layers;
+            desc.effects = DGB_EFFECT_AO | DGB_EFFECT_BENT | others[i / 2] | (i % 2 ? DGB_EFFECT_TEMPORAL : 0u);
+            desc.estimator = DGB_ESTIMATOR_BITMASK;
+            write_plan(directory, &desc);
+        }
+}
+
 int main(int argc, char** argv) {
     int effects, layers, normals, senders, thickness;
     dgb_plan plan;
     if (argc != 2) return 2;
+    write_bent(argv[1]);
     for (effects = 1; effects < 64; ++effects)
         for (layers = 1; layers <= 2; ++layers) {
             dgb_desc desc;

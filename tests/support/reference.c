@@ -676,7 +676,7 @@ static void unweigh(reference_mean* m) {
     }
 }
 
-static double one_more(double frames) { return frames + 1.0 < 64.0 ? frames + 1.0 : 64.0; }
+static double one_more(double frames) { return frames + 1.0 < 1000.0 ? frames + 1.0 : 1000.0; }
 
 static void finish_mean(const history* h, const dgb_params* q, const float light[4], float visibility,
                         reference_mean* m) {
