@@ -203,6 +203,12 @@ static void call_linear_z(const uint32_t* in, uint32_t* out) {
     out[0] = word_of(dgb_linear_z(float_of(in[0]), &camera));
 }
 
+static void call_separation_limit(const uint32_t* in, uint32_t* out) {
+    dgb_camera camera;
+    memcpy(&camera, in + 2, sizeof camera);
+    out[0] = word_of(dgb_separation_limit(float_of(in[0]), (dgb_format)(in[1] % DGB_FORMAT_COUNT), &camera));
+}
+
 static void call_position(const uint32_t* in, uint32_t* out) {
     dgb_camera camera;
     float point[3];
@@ -370,6 +376,7 @@ const mathematics_function mathematics[] = {
     {"dgb_widen_projection", false, 21, 16, MATHEMATICS_WORDS, 0, 0, call_widen_projection},
     {"dgb_depth_code", false, 2, 1, MATHEMATICS_WORDS, 0, 0, call_depth_code},
     {"dgb_linear_z", false, 17, 1, MATHEMATICS_FLOATS, -1e15 * ULPS, 1e15 * ULPS, call_linear_z},
+    {"dgb_separation_limit", false, 18, 1, MATHEMATICS_FLOATS, 0, 1e15 * ULPS, call_separation_limit},
     {"dgb_position", false, 19, 3, MATHEMATICS_WORDS, 0, 0, call_position},
     {"dgb_pixels_per_metre", false, 17, 1, MATHEMATICS_WORDS, 0, 0, call_pixels_per_metre},
     {"dgb_keep_test", false, 3, 1, MATHEMATICS_COUNTS, 0, 1, call_keep_test},
