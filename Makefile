@@ -77,7 +77,7 @@ fuzz_targets = $(patsubst %,build/$(1)/%,$(basename $(wildcard tests/fuzz/fuzz_*
 fuzzer       = $(shell echo 'int LLVMFuzzerTestOneInput(void) { return 0; }' | \
     clang -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
 
-source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
+source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh tests/shaders/lint.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
 fuzz_tests    := tests/fuzz/fuzz.sh
@@ -137,7 +137,7 @@ check-reference: reference-tests ## the tests of the ray-traced reference
 	@tests/run $(call reference_tests,$(config))
 
 # Percentages of lines and of branches that the tests must reach.
-coverage_goals := deepgbuffer.h:98:90 deepgbuffer_gl.h:95:80
+coverage_goals := deepgbuffer.h:98:90 deepgbuffer_gl.h:95:85
 
 coverage: ## what lines and branches of the headers the tests reach (gcov); fails below the goals
 	@$(MAKE) config=coverage CC=gcc CXX=g++ core-tests gl-tests
