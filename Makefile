@@ -85,7 +85,14 @@ example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
-.PHONY: all help setup demo test check check-core check-gl check-reference coverage examples bench fuzz gpu-cost core-tests gl-tests \
+# What the examples cannot do without is named before the first of them is compiled.
+ifneq ($(filter all examples,$(or $(MAKECMDGOALS),all)),)
+$(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null && echo yes),, \
+    $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
+endif
+
+.PHONY: all help setup demo test test-full check check-core check-gl check-reference coverage examples bench fuzz gpu-cost \
+        core-tests gl-tests \
         gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
         format format-fix tidy clean
 .DEFAULT_GOAL := all
@@ -123,6 +130,17 @@ test: setup ## set up, build and run every test
 	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
 	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
+
+# Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
+full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest
+valgrind := $(shell command -v valgrind)
+test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, valgrind
+	@$(MAKE) config=sanitize build/sanitize/tests/backends/test_gl_faults
+	@$(MAKE) config=release build/release/tests/gl/test_guest
+	@$(MAKE) config=debug build/debug/tests/backends/test_gl_faults
+	@DGB_FULL=1 TEST_TIMEOUT=7200 tests/run $(full_tests)
+	@$(if $(valgrind),$(valgrind) --quiet --error-exitcode=1 --leak-check=full build/debug/tests/backends/test_gl_faults, \
+	    echo "test-full: valgrind is missing")
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)

@@ -48,7 +48,7 @@ static void program_destroy(void* user, dgb_program program) {
     rhi_destroy_pipeline((rhi_pipeline)program.id);
 }
 
-static void pass_begin(void* user, const dgb_pass* pass) {
+static dgb_result pass_begin(void* user, const dgb_pass* pass) {
     rhi_render_pass p = {0};
     int i;
     (void)user;
@@ -60,6 +60,7 @@ static void pass_begin(void* user, const dgb_pass* pass) {
         p.colors[i].level = pass->colors[i].level;
     }
     rhi_begin_pass(&p);
+    return DGB_OK;
 }
 
 static void texture_bind(void* user, dgb_slot slot, dgb_texture texture, int level) {
