@@ -462,6 +462,9 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }\n"
     "\n"
+    "// The same for parts of directions and shares: what is beyond -1..1, or NaN, becomes 0.\n"
+    "vec4 dgb_storable_unit(vec4 v) { return mix(vec4(0.0), v, lessThanEqual(abs(v), vec4(1.0))); }\n"
+    "\n"
     "// The nearest value >= 0 that a small float of so many mantissa bits holds. Implementations round or truncate what they store;\n"
     "// truncated bounce after bounce, light loses a tenth, and its blue a fifth.\n"
     "float dgb_nearest(float x, int bits) {\n"
@@ -501,11 +504,11 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return int(index);\n"
     "}\n"
     "\n"
-    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n"
+    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n",
     "    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;\n"
     "    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
-    "\n",
+    "\n"
     "int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {\n"
     "    // in brackets: what is the same for all taps\n"
     "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;\n"
@@ -593,13 +596,13 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "float dgb_ambient_visibility(float sum, float pi_over_count) {\n"
     "    return sum > 0.0 ? max(1.0 - sqrt(pi_over_count * sum), 0.0) : 1.0;\n"
     "}\n"
-    "\n"
+    "\n",
     "float dgb_gather_term(vec3 v, vec3 n_x, float r2) {\n"
     "    float d2     = dot(v, v);\n"
     "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
     "    return d2 <= r2 && cosine > DGB_MIN_COSINE ? cosine : 0.0;\n"
     "}\n"
-    "\n",
+    "\n"
     "float dgb_gather_scale(float sum_cos, float count, float k) {\n"
     "    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;\n"
     "}\n"
@@ -1852,7 +1855,8 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "// 2/3 of the normal: where nothing is, there is no noise.\n"
     "vec4 dgb_bent(dgb_receiver r, vec4 look) {\n"
     "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n"
-    "    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);\n"
+    "    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;\n"
+    "    return dgb_storable_unit(vec4(world, 1.0 - look.a)); // too near to the eye, there is no direction to it\n"
     "}\n"
     "#endif\n"
     "\n"
@@ -1877,7 +1881,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    dgb_out_ao       = vec4(dgb_bitmask_scale.z == 1.0 ? visibility : pow(visibility, dgb_bitmask_scale.z));\n"
     "#if DGB_BENT\n"
     "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_bent(r, look) : vec4(0.0, 0.0, 0.0, 1.0);\n"
-    "#endif\n"
+    "#endif\n",
     "#endif\n"
     "}\n",
     0
@@ -2131,8 +2135,7 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);\n"
     "    h.visibility_frames += weight * dgb_storable(frames.y);\n"
     "#if DGB_BENT\n"
-    "    vec4 bent = texelFetch(dgb_last_bent, texel, 0);\n"
-    "    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through\n"
+    "    h.bent += weight * dgb_storable_unit(texelFetch(dgb_last_bent, texel, 0));\n"
     "#endif\n"
     "}\n"
     "\n"
@@ -2153,8 +2156,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    }\n"
     "    return h;\n"
     "}\n"
-    "\n",
-    "// Weight of an average of so many frames against one frame more.\n"
+    "\n"
+    "// Weight of an average of so many frames against one frame more.\n",
     "float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }\n"
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
@@ -2233,8 +2236,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);\n"
     "#if DGB_LIMITED\n"
     "    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);\n"
-    "#endif\n",
-    "    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);\n"
+    "#endif\n"
+    "    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);\n",
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));\n"
     "#endif\n"
     "#if DGB_BENT\n"
