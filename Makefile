@@ -91,9 +91,9 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
     $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
 endif
 
-.PHONY: all help setup demo test test-full check check-core check-gl check-reference coverage examples bench fuzz gpu-cost \
-        core-tests gl-tests \
-        gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
+.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage examples bench fuzz \
+        gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed \
+        embed-check shaders-check \
         format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
@@ -121,6 +121,10 @@ demo: ## set up, build and render the atrium into build/demo
 	@$(MAKE) config=release build/release/render
 	@mkdir -p build/demo
 	$(demo_commands)
+
+pictures: ## make the README's pictures anew; SCENE_DIR=DIR has the scenes that are files
+	@$(MAKE) config=release build/release/render $(if $(imgui),build/release/viewer)
+	@$(if $(SCENE_DIR),SCENE_DIR='$(SCENE_DIR)') examples/pictures/make.sh
 
 test: setup ## set up, build and run every test
 	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests build/release/trade
