@@ -77,7 +77,7 @@ fuzz_targets = $(patsubst %,build/$(1)/%,$(basename $(wildcard tests/fuzz/fuzz_*
 fuzzer       = $(shell echo 'int LLVMFuzzerTestOneInput(void) { return 0; }' | \
     clang -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
 
-source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
+source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh tests/shaders/lint.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
 fuzz_tests    := tests/fuzz/fuzz.sh
@@ -91,8 +91,8 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
     $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
 endif
 
-.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference examples bench fuzz \
-        gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
+.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage examples bench \
+        fuzz gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
         uninstall embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
@@ -156,6 +156,15 @@ check-gl: gl-tests ## the tests of the OpenGL backend
 
 check-reference: reference-tests ## the tests of the ray-traced reference
 	@tests/run $(call reference_tests,$(config))
+
+# Percentages of lines and of branches that the tests must reach.
+coverage_goals := deepgbuffer.h:98:90 deepgbuffer_gl.h:95:85
+
+coverage: ## what lines and branches of the headers the tests reach (gcov); fails below the goals
+	@$(MAKE) config=coverage CC=gcc CXX=g++ core-tests gl-tests
+	@find build/coverage -name '*.gcda' -delete
+	@tests/run $(call core_tests,coverage) $(call tests_in,gl,coverage)
+	@tests/coverage build/coverage/obj/tests/support/deepgbuffer.gcda $(coverage_goals)
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")

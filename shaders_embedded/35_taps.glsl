@@ -1,5 +1,5 @@
-// Spiral taps, shared by ao and gather (paper, section 3.4). Angles come from tables, so that every implementation lands on
-// the same texels.
+// Taps, shared by ao, gather and bitmask; those of the first two lie on a spiral (paper, section 3.4). Angles come from tables, so
+// that every implementation lands on the same texels.
 
 uniform sampler2D dgb_rotations;
 
@@ -24,10 +24,8 @@ dgb_spiral dgb_spiral_at(vec2 centre, float reach, ivec4 size) {
     return dgb_spiral(centre, dgb_rotation(ivec2(centre), size.w), reach, size.xy, vec2(size.xy) * 0.99999994);
 }
 
-// table: cos, sin, kappa of the tap; levels: log2 q, min, max.
-dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {
-    vec2    direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);
-    float   h         = max(s.reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself
+// h: pixels from the centre; levels: log2 q, min, max.
+dgb_tap dgb_tap_beside(vec2 direction, float h, dgb_spiral s, ivec4 levels) {
     vec2    at        = s.centre + h * direction;
     vec2    within    = clamp(at, vec2(0.0), s.last);
     dgb_tap tap;
@@ -36,6 +34,12 @@ dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {
     tap.texel = min(ivec2(within) >> tap.level, (s.size >> tap.level) - 1);
     tap.pixel = dgb_mip_source(tap.texel, tap.level);
     return tap;
+}
+
+// table: cos, sin, kappa of the tap.
+dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {
+    vec2 direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);
+    return dgb_tap_beside(direction, max(s.reach * table.z, 0.75), s, levels); // nearer taps would land on the shaded pixel itself
 }
 
 #if DGB_LAYERS > 1

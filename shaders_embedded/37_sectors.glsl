@@ -23,24 +23,40 @@ vec4 dgb_slice(vec3 n, vec3 v, vec3 along) {
     return vec4(p, g, 1.0 / max(p.x + (g + 0.5 * DGB_PI) * p.y, 1e-5));
 }
 
-// q: towards the eye, along
-float dgb_slice_share(vec4 slice, vec2 q) {
-    vec2  d     = q * inversesqrt(max(dot(q, q), 1e-30));
-    float angle = 0.5 * DGB_PI - dgb_arc_sine(d.x);
-    float share = (d.y * d.y * slice.x + (angle - d.x * d.y) * slice.y) * slice.w;
-    return d.y >= 0.0 && dot(d, slice.xy) > 0.0 ? clamp(share, 0.0, 1.0) : 1.0;
+// sin^2 cos g + (angle - sin cos) sin g of an angle from the eye; g: cos g, sin g; x: 1 - cosine of the angle, its versine.
+float dgb_slice_part(vec2 g, float x) {
+    float segment = sqrt(x) * (1.8772000 + x * (-0.3058190 + x * (0.0586256 - 0.0473906 * x))); // angle - sin cos, by x
+    return x * (g.x * (2.0 - x) + g.y * segment);
 }
+
+// dgb_slice_share in three steps: what is the same for all directions, cos g and sin g over the part up to the horizon and the
+// horizon's versine; that of a direction {towards the eye, along}, 2 for what does not lie in the slice; the share.
+vec3 dgb_slice_scale(vec4 slice) {
+    float horizon = 1.0 + slice.y;
+    return vec3(slice.xy / max(dgb_slice_part(slice.xy, horizon), 1e-5), horizon);
+}
+
+float dgb_square(vec2 q) { return q.x * q.x + (q.y * q.y + 1e-30); } // not 0: in this order the sum is a multiply-add
+
+float dgb_versine(vec2 q) { return q.y >= 0.0 ? 1.0 - q.x * inversesqrt(dgb_square(q)) : 2.0; }
+
+float dgb_share(vec3 scale, float versine) { return dgb_slice_part(scale.xy, min(abs(versine), scale.z)); } // rounded, it may be below 0
+
+float dgb_slice_share(vec4 slice, vec2 q) { return clamp(dgb_share(dgb_slice_scale(slice), dgb_versine(q)), 0.0, 1.0); }
 
 uint dgb_sectors(float from, float to, float u) {
-    uint low = uint(from * 32.0 + u), high = uint(to * 32.0 + u);
-    uint below_high = high < 32u ? (1u << high) - 1u : 0xffffffffu, below_low = low < 32u ? (1u << low) - 1u : 0xffffffffu;
-    return below_high & ~below_low;
+    uint low = uint(from * 32.0 + u), high = min(uint(to * 32.0 + u), 32u);
+    return low < high ? 0xffffffffu >> (32u - (high - low)) << low : 0u;
 }
 
-int dgb_sector_count(uint sectors) { // language versions 330 and 300 es have no bitCount
+int dgb_sector_count(uint sectors) {
+#if __VERSION__ >= 400
+    return bitCount(sectors);
+#else // 330 and 300 es have none
     uint pairs = sectors - ((sectors >> 1) & 0x55555555u);
     uint fours = (pairs & 0x33333333u) + ((pairs >> 2) & 0x33333333u);
     return int((((fours + (fours >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24);
+#endif
 }
 
 float dgb_slice_angle(vec4 slice, float share) {

@@ -32,15 +32,16 @@ layout(location = 1) out vec4 dgb_out_bent;
 #endif
 
 struct dgb_receiver {
-    ivec2 pixel;
-    vec2  at; // where the surface is, pixels
-    vec3  x, n, v; // v: towards the eye
-    float reach;   // pixels
-    vec4  noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1
+    ivec2      pixel;
+    dgb_spiral around;  // of the taps
+    vec3       x, n, v; // v: towards the eye
+    vec2       side;    // metres between pixels at its depth
+    vec4       noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1
 };
 
 struct dgb_march { // along one slice
     vec4 slice;
+    vec3 scale;          // of its shares
     vec3 d;              // across the line of sight, unit
     vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane
     vec2 direction;      // in the image
@@ -48,11 +49,11 @@ struct dgb_march { // along one slice
     vec3 light;          // sum over sectors: of what they see, or, for DGB_BENT, of the directions of those that are covered
 };
 
-// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; those within the radius have s from far to
-// near, none for far > near.
+// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; in the slice, {towards the eye, along}, at
+// q.xy + q.zw s.
 struct dgb_sight {
-    vec2  offset, slope;
-    float far, near;
+    vec2 offset, slope;
+    vec4 q;
 };
 
 struct dgb_surface {
@@ -61,14 +62,17 @@ struct dgb_surface {
 };
 
 dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
+    vec4         a     = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
+    vec2         at    = dgb_centre(layer, pixel);
+    float        reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
     dgb_receiver r;
-    r.pixel = pixel;
-    r.at    = dgb_centre(layer, pixel);
-    r.x     = dgb_position(r.at, z, dgb_bitmask_camera);
-    r.n     = dgb_oct16_decode(normal);
-    r.v     = -dgb_view(r.x, dgb_bitmask_camera);
-    r.reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
-    r.noise = dgb_pixel_quad(pixel, dgb_bitmask_size.w);
+    r.pixel  = pixel;
+    r.around = dgb_spiral_at(at, reach, dgb_bitmask_size);
+    r.x      = dgb_position(at, z, dgb_bitmask_camera);
+    r.n      = dgb_oct16_decode(normal);
+    r.v      = -dgb_view(r.x, dgb_bitmask_camera);
+    r.side   = a.xy * z + b.xy;
+    r.noise  = dgb_pixel_quad(pixel, dgb_bitmask_size.w);
     return r;
 }
 
@@ -81,67 +85,59 @@ dgb_march dgb_march_at(dgb_receiver r, float shift) {
     vec3  across   = cross(d, r.v);
     vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));
     vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 1e-4));
-    vec4  a        = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
+    vec4  a        = dgb_bitmask_camera.position_z;
+    vec2  moved    = (d.xy - (r.around.centre * a.xy + a.zw) * d.z) / r.side; // pixels a metre along d
     dgb_march m;
     m.slice     = dgb_slice(r.n, r.v, d);
+    m.scale     = dgb_slice_scale(m.slice);
     m.d         = d;
     m.towards   = r.v + oblique.x * across;
     m.along     = d + oblique.y * across;
-    vec2 moved  = (d.xy - (r.at * a.xy + a.zw) * d.z) / (a.xy * r.x.z + b.xy); // pixels a metre along d
     m.direction = moved * inversesqrt(max(dot(moved, moved), 1e-30));
     m.seen      = 0u;
     m.light     = vec3(0.0);
     return m;
 }
 
-dgb_sight dgb_sight_at(vec2 at, dgb_receiver r) {
-    dgb_sight l;
-    vec4      a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
-    l.slope     = at * a.xy + a.zw;
-    l.offset    = (at - r.at) * (a.xy * r.x.z + b.xy);
-    float along = dot(l.offset, l.slope), square = dot(l.slope, l.slope) + 1.0;
-    float inside = along * along - square * (dot(l.offset, l.offset) - dgb_bitmask_radius.y);
-    float extent = sqrt(max(inside, 0.0));
-    l.near      = inside > 0.0 ? (extent - along) / square : -1.0;
-    l.far       = inside > 0.0 ? (-extent - along) / square : 1.0;
+// How a sight, or what changes one, lies in the slice.
+dgb_sight dgb_sight_of(vec2 offset, vec2 slope, dgb_march m) {
+    vec4 q = vec4(dot(offset, m.towards.xy), dot(offset, m.along.xy), dot(slope, m.towards.xy), dot(slope, m.along.xy));
+    return dgb_sight(offset, slope, q);
+}
+
+dgb_sight dgb_sight_at(vec2 at, dgb_receiver r, dgb_march m) {
+    vec4      a = dgb_bitmask_camera.position_z;
+    dgb_sight l = dgb_sight_of((at - r.around.centre) * r.side, at * a.xy + a.zw, m);
+    l.q.zw += vec2(m.towards.z, m.along.z);
     return l;
 }
 
-vec3 dgb_point(dgb_sight l, float s) { return vec3(l.offset + l.slope * s, s); }
-
-// Directions in the slice, as dgb_slice_share has them, of where the line of sight enters a surface at s, and leaves it.
-vec4 dgb_ends(dgb_march m, dgb_sight l, float s, float thickness) {
-    vec3 front = dgb_point(l, min(max(s, l.far), l.near)), back = dgb_point(l, min(max(s - thickness, l.far), l.near));
-    return vec4(dot(front, m.towards), dot(front, m.along), dot(back, m.towards), dot(back, m.along));
-}
-
 #if DGB_NORMAL_TEST
-// The ends where the plane of a surface goes on, so many pixels away from the line of sight on which it was found.
-vec4 dgb_ends_beside(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float pixels) {
-    vec4  a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
-    vec2  moved  = pixels * m.direction;
-    float plane  = dot(y.n, dgb_point(l, y.s));
-    l.slope     += moved * a.xy;
-    l.offset    += moved * (a.xy * r.x.z + b.xy);
-    float facing = dot(y.n, vec3(l.slope, 1.0));
-    float s      = (plane - dot(y.n.xy, l.offset)) / facing;
-    return dgb_ends(m, l, facing > 0.0 && abs(s) < DGB_MAX_DISTANCE ? s : l.far, y.thickness);
-}
+float dgb_facing(dgb_sight l, dgb_surface y) { return dot(y.n, vec3(l.slope, 1.0)); }
 
-// Whether direction a is nearer to the eye than b.
-bool dgb_nearer(vec2 a, vec2 b) { return a.x * b.y > b.x * a.y; }
+// Versines of where the sight so many pixels on enters a surface, if its plane goes on that far, and leaves it. on: a pixel's change
+vec2 dgb_ends_beside(dgb_sight l, dgb_sight on, dgb_surface y, float pixels) {
+    vec4  q      = l.q + pixels * on.q;
+    float facing = dgb_facing(l, y), turned = facing + pixels * dot(y.n.xy, on.slope), r = dgb_bitmask_radius.x;
+    float s      = (facing * y.s - pixels * dot(y.n.xy, on.offset)) / turned;
+    vec2  front  = q.xy + (turned > 0.0 ? clamp(s, -r, r) : -r) * q.zw;
+    return vec2(dgb_versine(front), dgb_versine(front - y.thickness * q.zw));
+}
 #endif
 
-// Sectors that a surface covers with what is behind it. step: pixels that it stands for, before and after it; u: of the sectors
+// Sectors that a surface covers with what is behind it, if either end is within the radius. step: pixels that it stands for, before
+// and after it; u: of the sectors
 uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, vec2 step, float u) {
+    vec2 front = l.q.xy + y.s * l.q.zw, back = front - y.thickness * l.q.zw;
 #if DGB_NORMAL_TEST
-    vec4 a    = dgb_ends_beside(r, m, l, y, -step.x), b = dgb_ends_beside(r, m, l, y, step.y);
-    vec4 ends = vec4(dgb_nearer(a.xy, b.xy) ? a.xy : b.xy, dgb_nearer(a.zw, b.zw) ? b.zw : a.zw);
+    dgb_sight on   = dgb_sight_of(m.direction * r.side, m.direction * dgb_bitmask_camera.position_z.xy, m);
+    vec2      a    = dgb_ends_beside(l, on, y, -step.x), b = dgb_ends_beside(l, on, y, step.y);
+    vec2      ends = vec2(min(a.x, b.x), max(a.y, b.y));
 #else
-    vec4 ends = dgb_ends(m, l, y.s, y.thickness);
+    vec2 ends = vec2(dgb_versine(front), dgb_versine(back));
 #endif
-    bool there = min(y.s, l.near) > max(y.s - y.thickness, l.far);
-    return there ? dgb_sectors(dgb_slice_share(m.slice, ends.xy), dgb_slice_share(m.slice, ends.zw), u) : 0u;
+    bool there = min(dgb_square(front), dgb_square(back)) <= dgb_bitmask_radius.y;
+    return there ? dgb_sectors(dgb_share(m.scale, ends.x), dgb_share(m.scale, ends.y), u) : 0u;
 }
 
 // Takes what a surface covers of what is still open; radiance: what it sends, if it faces the receiver.
@@ -149,7 +145,7 @@ void dgb_stop(inout dgb_march m, uint covered, dgb_sight l, dgb_surface y, vec3 
     uint stopped = covered & ~m.seen;
     m.seen |= covered;
 #if DGB_NORMAL_TEST
-    if (!(dot(y.n, dgb_point(l, y.s)) < 0.0)) radiance = vec3(0.0);
+    if (!(dgb_facing(l, y) * y.s + dot(y.n.xy, l.offset) < 0.0)) radiance = vec3(0.0);
 #endif
 #if DGB_BITMASK_LIGHT
     m.light += radiance * float(dgb_sector_count(stopped));
@@ -158,40 +154,35 @@ void dgb_stop(inout dgb_march m, uint covered, dgb_sight l, dgb_surface y, vec3 
 
 // One step, h pixels away, that stands for `pitch` pixels. second: look at the second layer
 void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, bool second) {
-    ivec2 size  = dgb_bitmask_size.xy;
-    vec2  to    = r.at + h * m.direction;
-    bool  known = all(greaterThanEqual(to, vec2(0.0))) && all(lessThan(to, vec2(size)));
-    int   level = dgb_mip_level(h, dgb_bitmask_level.x, dgb_bitmask_level.y, dgb_bitmask_level.z);
-    ivec2 texel = min(ivec2(clamp(to, vec2(0.0), vec2(size - 1))) >> level, (size >> level) - 1);
-    ivec2 pixel = dgb_mip_source(texel, level);
-    vec2  step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything
-    known       = known && pixel != r.pixel;
+    dgb_tap tap   = dgb_tap_beside(m.direction, h, r.around, dgb_bitmask_level);
+    vec2    step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything
+    bool    known = tap.inside && tap.pixel != r.pixel;
 
-    vec4        zs = texelFetch(dgb_z, texel, level);
+    vec4        zs = texelFetch(dgb_z, tap.texel, tap.level);
     vec2        thickness = dgb_thickness_of(zs, dgb_bitmask_radius.z);
     vec3        b0 = vec3(0.0), b1 = vec3(0.0);
-    dgb_sight   l  = dgb_sight_at(vec2(pixel) + 0.5, r);
+    dgb_sight   l  = dgb_sight_at(vec2(tap.pixel) + 0.5, r, m);
     dgb_surface y  = dgb_surface(zs.x - r.x.z, thickness.x, vec3(0.0));
 #if DGB_NORMAL_TEST
-    vec4 normals = texelFetch(dgb_normals, texel, level);
+    vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);
     y.n          = dgb_oct16_direction(normals.xy);
 #endif
 #if DGB_BITMASK_LIGHT
-    b0 = texelFetch(dgb_b0, texel, level).rgb;
+    b0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb;
 #endif
     uint covered = dgb_covered(r, m, l, y, step, u);
     dgb_stop(m, known && dgb_bitmask_scale.w > 0.0 ? covered : 0u, l, y, b0);
 #if DGB_LAYERS > 1
     if (second) {
 #if DGB_DIVISOR > 1
-        l = dgb_sight_at(dgb_centre(1, pixel), r);
+        l = dgb_sight_at(dgb_centre(1, tap.pixel), r, m);
 #endif
         y = dgb_surface(zs.y - r.x.z, thickness.y, vec3(0.0));
 #if DGB_NORMAL_TEST
         y.n = dgb_oct16_direction(normals.zw);
 #endif
 #if DGB_BITMASK_LIGHT
-        b1 = texelFetch(dgb_b1, texel, level).rgb;
+        b1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb;
 #endif
         covered = dgb_covered(r, m, l, y, step, u);
         dgb_stop(m, known ? covered : 0u, l, y, b1);
@@ -202,7 +193,7 @@ void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, 
 // Means over all slices. rgb: irradiance over pi, or covered directions; a: share of the cosine-weighted hemisphere that is covered.
 vec4 dgb_look(dgb_receiver r, bool there, bool second) {
     int   steps = dgb_bitmask_size.z;
-    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.reach / float(steps);
+    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.around.reach / float(steps);
     vec4  sum   = vec4(0.0);
     for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {
         float     shift  = float(i) * pair;
@@ -228,7 +219,8 @@ vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(DGB_PI 
 // 2/3 of the normal: where nothing is, there is no noise.
 vec4 dgb_bent(dgb_receiver r, vec4 look) {
     vec3 bent = 2.0 / 3.0 * r.n - look.rgb;
-    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);
+    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;
+    return dgb_storable_unit(vec4(world, 1.0 - look.a)); // too near to the eye, there is no direction to it
 }
 #endif
 

@@ -60,6 +60,7 @@ static struct engine {
     int draws;
     int start;      /* GL calls before the session */
     int last_shade; /* of those in it, before the last dgb_shade */
+    int asked;      /* of GL, before this call of the library */
 } engine;
 
 static GLuint compile(GLenum stage, const char* prefix) {
@@ -87,7 +88,9 @@ static unsigned int make_program(void* user, const dgb_context* c) {
     assert_true(dgbgl_shader_prefix(c, DGBGL_FRAGMENT, NULL, 0, prefix, sizeof prefix) > 0);
     attach(program, compile(GL_FRAGMENT_SHADER, prefix));
     own.LinkProgram(program);
-    if (dgbgl_attach_program(c, program) == DGB_OK) return engine.program = program;
+    engine.program = dgbgl_attach_program(c, program) == DGB_OK ? program : 0;
+    engine.asked = gl_stub_gets();
+    if (engine.program) return program;
     own.DeleteProgram(program);
     return 0;
 }
@@ -422,6 +425,34 @@ static void test_contexts_that_will_not_do(void** state) {
     check_refused(fine, 0, 36, DGB_INVALID);
 }
 
+/* >> an engine that keeps track of its state itself */
+
+static void check_gets(void* user, const char* call) {
+    const bool frame = strcmp(call, "dgb_build") == 0 || strcmp(call, "dgb_shade") == 0;
+    (void)user;
+    if (frame && gl_stub_gets() != engine.asked)
+        fail_msg("%s, %s: %d questions to GL", engine.context->name, call, gl_stub_gets() - engine.asked);
+    engine.asked = gl_stub_gets();
+}
+
+/* With keep_state no frame asks GL for anything. */
+static void test_nothing_is_asked(void** state) {
+    int i;
+    (void)state;
+    for (i = 0; i < CONTEXTS; ++i) {
+        const setup u = {PAPER_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_DEFAULT, DGB_EMISSION_AUTO, 2, 1, 0, 0, 0};
+        gl_session s = session_of(&u, NULL);
+        start(&contexts[i]);
+        gl_stub_scramble();
+        s.gl.get_proc = gl_stub_get_proc;
+        s.gl.keep_state = s.gl.no_timers = true;
+        s.after = check_gets;
+        gl_session_run(&s);
+        assert_int_equal(s.failures, 0);
+        stop();
+    }
+}
+
 /* >> errors of the engine's */
 
 static void draw_badly(void* user, const dgb_draw* d) {
@@ -471,6 +502,7 @@ int main(void) {
         cmocka_unit_test(test_every_fault),
         cmocka_unit_test(test_lost_context),
         cmocka_unit_test(test_contexts_that_will_not_do),
+        cmocka_unit_test(test_nothing_is_asked),
         cmocka_unit_test(test_errors_of_the_engine),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

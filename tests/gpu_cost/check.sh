@@ -44,7 +44,7 @@ check "occlusion takes 32 registers at most"         at_most 32 ao 0 0
 check "bounced light takes 48"                       at_most 48 gather 0 0
 check "72 where the second layer receives as well"   at_most 72 gather 0 1
 check "the bitmask takes 56 for occlusion"           at_most 56 ao 1 0
-check "88 for light"                                 at_most 88 gather 1 0
+check "96 for light"                                 at_most 96 gather 1 0
 check "96 where the second layer receives as well"   at_most 96 gather 1 1
 
 # The driver counts the few instructions behind the branches around the loops for a half or three quarters: less than

@@ -25,6 +25,7 @@ static void fail(const char* what, const char* why) {
 enum { ASSUMED_REFLECT_STEPS = 20 };
 /* Rows and columns of tiles that are looked at one by one: 64 pixels each way around a tile of 16. */
 enum { TILES_ACROSS = 10 };
+enum { HILBERT_BITS = 6 }; /* of each coordinate, in dgb_hilbert_index */
 
 static int define_of(const dgb_program_desc* p, const char* name) {
     int i;
@@ -41,16 +42,18 @@ static bool is_bitmask(const dgb_program_desc* p) {
     return false;
 }
 
-/* For each layer that receives: slices, to both sides, and within them the steps of all. */
+/* The bits of the pixel's place along the Hilbert curve; then, for each layer that receives, slices, to both sides, and within
+   them the steps of all. */
 static int find_bitmask_trips(const dgb_program_desc* p, const dgb_params* q, double trips[ISA_MAX_LOOPS]) {
     const int receivers = 1 + define_of(p, "DGB_DEEP"), sides = 2 * q->slices;
     const int taps = p->pass == DGB_PASS_AO ? q->ao_samples : q->samples;
     int k;
+    trips[0] = HILBERT_BITS;
     for (k = 0; k < receivers; ++k) {
-        trips[2 * k] = sides;
-        trips[2 * k + 1] = sides * (taps > sides ? taps / sides : 1);
+        trips[1 + 2 * k] = sides;
+        trips[2 + 2 * k] = sides * (taps > sides ? taps / sides : 1);
     }
-    return 2 * receivers;
+    return 1 + 2 * receivers;
 }
 
 /* Trips of each loop of a pass in the order of the text, in all, and how many loops there are. The gather's taps have a

@@ -315,26 +315,30 @@ void gl_state_free(gl_state* s) {
 
 int gl_state_count(const gl_state* s) { return s->value_count; }
 
+static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
+
 static bool same(const gl_state* a, const gl_state* b, int i) {
     const entry *x = &a->entries[i], *y = &b->entries[i];
     return x->count == y->count &&
-           memcmp(a->values + x->first, b->values + y->first, (size_t)x->count * sizeof(double)) == 0;
+           same_bits(a->values + x->first, b->values + y->first, (size_t)x->count * sizeof(double));
+}
+
+/* The first value that differs, in words. */
+static void describe(const gl_state* a, const gl_state* b, int i, char* text, size_t size) {
+    const entry *x = &a->entries[i], *y = &b->entries[i];
+    const double *v = a->values + x->first, *w = b->values + y->first;
+    int k = 0;
+    while (k + 1 < x->count && k + 1 < y->count && same_bits(v + k, w + k, sizeof *v)) ++k;
+    snprintf(text, size, "%s 0x%04x[%u].%d: %.9g became %.9g", kinds[x->kind].what, x->name, x->index, k,
+             x->count ? v[k] : 0.0, y->count ? w[k] : 0.0);
 }
 
 int gl_state_compare(const gl_state* a, const gl_state* b, char* text, size_t size) {
-    int i, k, count = 0;
+    int i, count = 0;
     text[0] = 0;
     assert_int_equal(a->entry_count, b->entry_count);
-    for (i = 0; i < a->entry_count; ++i) {
-        const entry *x = &a->entries[i], *y = &b->entries[i];
-        if (same(a, b, i)) continue;
-        for (k = 0;
-             k + 1 < x->count && memcmp(a->values + x->first + k, b->values + y->first + k, sizeof(double)) == 0;)
-            ++k;
-        if (!count++)
-            snprintf(text, size, "%s 0x%04x[%u].%d: %.9g became %.9g", kinds[x->kind].what, x->name, x->index, k,
-                     x->count ? a->values[x->first + k] : 0.0, y->count > k ? b->values[y->first + k] : 0.0);
-    }
+    for (i = 0; i < a->entry_count; ++i)
+        if (!same(a, b, i) && !count++) describe(a, b, i, text, size);
     return count;
 }
 

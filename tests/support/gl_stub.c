@@ -90,7 +90,7 @@ static struct state {
 static struct context {
     gl_stub_desc desc;
     GLenum error;
-    int calls, lose_at, refusals, debug_groups;
+    int calls, gets, lose_at, refusals, debug_groups;
     char refusal[256];
     unsigned char life[KIND_COUNT][NAMES]; /* NAMED, MADE or DEAD */
     GLuint last[KIND_COUNT];
@@ -175,6 +175,7 @@ static bool is_offered(const char* function) {
 
 /* Every function begins with it. A lost context refuses all, and does nothing. */
 static bool enter(const char* function) {
+    c.gets += strncmp(function, "glGet", 5) == 0 || strncmp(function, "glIs", 4) == 0;
     if (++c.calls >= c.lose_at && c.lose_at) {
         c.error = GL_CONTEXT_LOST;
         return false;
@@ -1691,6 +1692,8 @@ void gl_stub_stop(void) {
 }
 
 int gl_stub_calls(void) { return c.calls; }
+
+int gl_stub_gets(void) { return c.gets; }
 
 void gl_stub_lose_at(int call) { c.lose_at = call; }
 
