@@ -135,11 +135,11 @@ test: setup ## set up, build and run every test
 	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
 
 # Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
-full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest
+full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
 valgrind := $(shell command -v valgrind)
-test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, valgrind
+test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, 2000 frames, valgrind
 	@$(MAKE) config=sanitize build/sanitize/tests/backends/test_gl_faults
-	@$(MAKE) config=release build/release/tests/gl/test_guest
+	@$(MAKE) config=release build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
 	@$(MAKE) config=debug build/debug/tests/backends/test_gl_faults
 	@DGB_FULL=1 TEST_TIMEOUT=7200 tests/run $(full_tests)
 	@$(if $(valgrind),$(valgrind) --quiet --error-exitcode=1 --leak-check=full build/debug/tests/backends/test_gl_faults, \

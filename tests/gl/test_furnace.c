@@ -390,6 +390,70 @@ static void test_room_settles(void** state) {
     close_room(&r);
 }
 
+/* >> long runs */
+
+static void flood(const room* r, float value) { /* history of so much light everywhere */
+    static const dgb_slot slots[] = {DGB_IRRADIANCE_MEAN, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE,
+                                     DGB_LAST_IRRADIANCE1};
+    const GLfloat light[4] = {value, value, value, 1.0f};
+    size_t s;
+    for (s = 0; s < sizeof slots / sizeof slots[0]; ++s)
+        glClearTexImage(dgbgl_texture_name(dgb_get_texture(&r->c, slots[s])), 0, GL_RGBA, GL_FLOAT, light);
+}
+
+/* Mean over so many frames. */
+static double mean_of_frames(room* r, int frames) {
+    double sum = 0.0;
+    int frame;
+    for (frame = 0; frame < frames; ++frame) {
+        run_room(r);
+        sum += mean_of(r, DGB_IRRADIANCE) / frames;
+    }
+    return sum;
+}
+
+/* GL objects of every kind; names are handed out from 1 on. */
+static int count_objects(void) {
+    GLuint name;
+    int count = 0;
+    for (name = 1; name < 4096; ++name)
+        count += glIsTexture(name) + glIsFramebuffer(name) + glIsBuffer(name) + glIsProgram(name) + glIsShader(name) +
+                 glIsSampler(name) + glIsVertexArray(name);
+    return count;
+}
+
+/* 300 frames; with DGB_FULL=1 (make test-full) 2000. From frame 100 on the mean of 100 frames, or 270, stays within 0.1 %, and
+   however much light there was in the beginning, it is the same within 1 %. */
+static void test_long_run(void** state) {
+    static const float floods[] = {0.0f, 100.0f};
+    const int windows = getenv("DGB_FULL") ? 6 : 1, frames = windows > 1 ? 270 : 100;
+    double means[2], worst = 0.0;
+    int i, n;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        room r = open_room(1.0f, 0.85f);
+        double first;
+        int objects;
+        run_room(&r), run_room(&r);
+        flood(&r, floods[i]);
+        for (n = 2; n < 100; ++n) run_room(&r);
+        objects = count_objects();
+        first = mean_of_frames(&r, frames);
+        for (n = 0; n < windows; ++n) {
+            means[i] = mean_of_frames(&r, frames);
+            worst = fmax(worst, fabs(means[i] / first - 1.0));
+        }
+        assert_int_equal(count_objects(), objects);
+        assert_true(objects > 20); /* they are counted */
+        check_room_bound(&r);
+        close_room(&r);
+    }
+    printf("# the mean over frames is off by %.5f at most, from another start by %.5f\n", worst,
+           means[1] / means[0] - 1.0);
+    assert_true(worst <= 0.001);
+    assert_true(fabs(means[1] / means[0] - 1.0) <= 0.01);
+}
+
 FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
@@ -400,6 +464,7 @@ int main(void) {
         cmocka_unit_test(test_boost),
         cmocka_unit_test(test_room_becomes_stationary),
         cmocka_unit_test(test_room_settles),
+        cmocka_unit_test(test_long_run),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
