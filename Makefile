@@ -77,7 +77,7 @@ fuzz_targets = $(patsubst %,build/$(1)/%,$(basename $(wildcard tests/fuzz/fuzz_*
 fuzzer       = $(shell echo 'int LLVMFuzzerTestOneInput(void) { return 0; }' | \
     clang -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
 
-source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh
+source_tests  := tests/compile/compile.sh tests/compile/package.sh tests/shaders/embed.sh tests/shaders/lint.sh
 shader_tests  := tests/shaders/check.sh
 gpu_tests     := tests/gpu_cost/check.sh
 fuzz_tests    := tests/fuzz/fuzz.sh
@@ -85,8 +85,15 @@ example_tests := $(wildcard tests/examples/*.sh)
 
 # >> targets
 
-.PHONY: all help setup demo test check check-core check-gl check-reference examples bench fuzz gpu-cost core-tests gl-tests \
-        gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed embed-check shaders-check \
+# What the examples cannot do without is named before the first of them is compiled.
+ifneq ($(filter all examples,$(or $(MAKECMDGOALS),all)),)
+$(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null && echo yes),, \
+    $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
+endif
+
+.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage examples bench fuzz \
+        gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install uninstall embed \
+        embed-check shaders-check \
         format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
@@ -115,6 +122,10 @@ demo: ## set up, build and render the atrium into build/demo
 	@mkdir -p build/demo
 	$(demo_commands)
 
+pictures: ## make the README's pictures anew; SCENE_DIR=DIR has the scenes that are files
+	@$(MAKE) config=release build/release/render $(if $(imgui),build/release/viewer)
+	@$(if $(SCENE_DIR),SCENE_DIR='$(SCENE_DIR)') examples/pictures/make.sh
+
 test: setup ## set up, build and run every test
 	@$(MAKE) config=release examples core-tests gl-tests gpu-tests reference-tests build/release/trade
 	@$(MAKE) config=sanitize core-tests scene-tests fuzz-targets
@@ -123,6 +134,17 @@ test: setup ## set up, build and run every test
 	@tests/run $(source_tests) $(shader_tests) $(gpu_tests) \
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
 	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
+
+# Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
+full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest
+valgrind := $(shell command -v valgrind)
+test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, valgrind
+	@$(MAKE) config=sanitize build/sanitize/tests/backends/test_gl_faults
+	@$(MAKE) config=release build/release/tests/gl/test_guest
+	@$(MAKE) config=debug build/debug/tests/backends/test_gl_faults
+	@DGB_FULL=1 TEST_TIMEOUT=7200 tests/run $(full_tests)
+	@$(if $(valgrind),$(valgrind) --quiet --error-exitcode=1 --leak-check=full build/debug/tests/backends/test_gl_faults, \
+	    echo "test-full: valgrind is missing")
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)
@@ -135,6 +157,15 @@ check-gl: gl-tests ## the tests of the OpenGL backend
 
 check-reference: reference-tests ## the tests of the ray-traced reference
 	@tests/run $(call reference_tests,$(config))
+
+# Percentages of lines and of branches that the tests must reach.
+coverage_goals := deepgbuffer.h:98:90 deepgbuffer_gl.h:95:85
+
+coverage: ## what lines and branches of the headers the tests reach (gcov); fails below the goals
+	@$(MAKE) config=coverage CC=gcc CXX=g++ core-tests gl-tests
+	@find build/coverage -name '*.gcda' -delete
+	@tests/run $(call core_tests,coverage) $(call tests_in,gl,coverage)
+	@tests/coverage build/coverage/obj/tests/support/deepgbuffer.gcda $(coverage_goals)
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")

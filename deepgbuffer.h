@@ -194,32 +194,57 @@
        examples/integrations/custom_rhi.c is one to start from, tests/support/record_backend.c one without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
-       function                 domain             error                        at 0, NaN, infinity, out of range
-       dgb_oct16_encode         any float[3]       0.957 deg, axes exact        +Z
-       dgb_oct16_decode         all 65,536 codes   |length - 1| <= 2.4e-7       byte 255 reads as 254
-       dgb_r11g11b10f_pack      any float[3]       2^-7 (r, g), 2^-6 (b) rel.   NaN, negative: 0; above 64512: 64512
-       dgb_half_from_float      any float          2^-11 relative               NaN: 0; beyond +-65504: +-65504
-       dgb_spiral_turns         any int            exact minimiser to 256       n < 1: 0
-       dgb_mip_level            any float          exact                        NaN, h <= 0: min level; huge: max level
-       dgb_pixel_hash           any int            exact, same in GLSL          -
-       dgb_pixel_pair           any int            exact, same in GLSL          -
-       dgb_hilbert_index        any int            exact, same in GLSL          -
-       dgb_pixel_quad           any int            exact, same in GLSL          -
-       dgb_depth_code           any float          half a code                  outside 0..1, NaN: unchanged
-       dgb_linear_z             depth 0..1         rounding of the depth        the far plane or beyond: 0 (empty)
-       dgb_keep_test            any float          exact                        NaN anywhere: false
-       dgb_ao_term              any float          a few ulp                    not finite: 0
-       dgb_gather_term          any float          a few ulp                    not finite, v = 0: 0
-       dgb_ggx_alpha            any float          exact square                 NaN, below 1/512: 0; above 1: 1
-       dgb_ggx_normal           any float          see above it                 always finite
-       dgb_ggx_density          any float          a few ulp, relative          not finite, alpha <= 0: 0
-       dgb_arc_sine             any float          6.8e-5                       beyond +-1: that of +-1
-       dgb_slice_share          any float          4.4e-3                       not finite: 1
-       dgb_sectors              any float          exact                        NaN: the first sector's end
-       dgb_slice_angle          share 0..1         1e-3                         -
-       dgb_bent_cosine          any float[4]       1e-3 at 0, else 1e-5         nothing open: 1; NaN: 0
-       dgb_boost                any float[3]       a few ulp                    black: the unsaturated value
-       dgb_storable             any float          exact                        NaN, negative: 0; above 64512: 64512
+       Every function of the mathematics takes any bits: it comes back, nothing on the way is undefined, and the result is finite
+       where no row says otherwise. Without contraction (-ffp-contract=off) gcc and clang give the same bits with -O0, -O2 and
+       -O3; what is exact in integers gives them with -ffast-math too, the rest there stays finite and in range. Errors are
+       relative where no unit is given; `-:` is what minus infinity, or a negative number, gives.
+       function                error                       at 0             NaN           infinity       subnormal
+       dgb_oct16_encode        0.957 deg, axes exact       +Z               +Z            +Z             +Z
+       dgb_oct16_decode        length within 2.4e-7 of 1
+       dgb_pack_normals        as dgb_oct16_encode
+       dgb_unpack_normals      as dgb_oct16_decode
+       dgb_storable            exact                       0                0             64512; -: 0    kept; -: 0
+       dgb_r11g11b10f_pack     2^-7 (r, g), 2^-6 (b)       0                0             64512; -: 0    0
+       dgb_r11g11b10f_unpack   exact                       0                its code's    its code's     -
+       dgb_half_from_float     2^-11                       0, signed        0             +-65504        0, signed
+       dgb_half_to_float       exact                       0, signed        its code's    its code's     -
+       dgb_spiral_turns        exact minimiser to 256      0, as for n < 1
+       dgb_spiral_tap          1 ulp                       outside 0..n-1: {1, 0, 0}
+       dgb_rotation            1 ulp                       {1, 0}
+       dgb_pixel_hash          exact, same in GLSL
+       dgb_pixel_pair          exact, same in GLSL
+       dgb_hilbert_index       exact, same in GLSL
+       dgb_pixel_quad          exact, same in GLSL
+       dgb_mip_level           exact                       least            least         most; -: least least
+       dgb_mip_levels          exact                       1, as for less
+       dgb_mip_source          exact
+       dgb_camera_from_matrix  see dgb_linear_z            refused          refused       refused        refused
+       dgb_widen_projection    1 ulp                       stays            stays         stays          -
+       dgb_depth_code          half a code                 0                stays         stays          0
+       dgb_linear_z            6e-7, orthographic of far   see above it     0             0              as 0
+       dgb_separation_limit    1e-3                        0                0             everywhere     0
+       dgb_position            4e-7 of the terms           -                stays         stays          -
+       dgb_pixels_per_metre    3e-7                        0                0             0              infinity
+       dgb_keep_test           of the float sum: exact     front 0: false   false         farthest       -
+       dgb_ao_term             a few ulp                   0                0             0              as 0
+       dgb_ambient_visibility  a few ulp                   1                1             0; -: 1        1
+       dgb_gather_term         a few ulp                   0                0             0              as 0
+       dgb_gather_scale        a few ulp                   count 0: 0       as 0          0              as 0
+       dgb_boost               a few ulp                   unsaturated      left out      unsaturated    -
+       dgb_bilateral_weight    a few ulp                   normals alone    0             0              as 0
+       dgb_arc_sine            6.8e-5                      6.8e-5           NaN           that of +-1    as 0
+       dgb_slice_along         2 ulp                       +X               +X            +X             +X
+       dgb_slice               6.8e-5 of angles            facing           facing        facing         facing
+       dgb_slice_share         4.4e-3                      1                1             1              1
+       dgb_sectors             exact                       -                first end     none           as 0
+       dgb_sector_count        exact                       0
+       dgb_slice_angle         1e-3                        0                horizon       horizon; -: 0  as 0
+       dgb_slice_sum           1e-5, angles 0..pi          {0, 0}           NaN           NaN            as 0
+       dgb_sectors_mean        1e-3                        {0, 0}
+       dgb_bent_cosine         1e-5, at 0 1e-3             not open: 1      0; a: 1       1              -
+       dgb_ggx_alpha           exact square                0                0             1; -: 0        0
+       dgb_ggx_normal          see above it                n                v, n or +Z    v, n or +Z     -
+       dgb_ggx_density         a few ulp                   0                0             0              0
        Devices may truncate where dgb_r11g11b10f_pack rounds: a stored radiance is up to one code lower.
 
    THREADS
@@ -233,6 +258,8 @@
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
+       Far away depth formats do not tell a separation from none (dgb_separation_limit): with a near plane at 0.1 m, half a metre is
+       told up to 57 m in D16, 916 m in D24 and D32F, but some 4 million metres in D32F with reversed depth.
        No tap is farther from its pixel than the buffer's diagonal, however large the radius is in pixels.
        Velocities carry no depth: of an object that moves towards the eye and not across, history is rejected.
 
@@ -621,9 +648,10 @@ DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level);
-/* Number of levels for a width x height image: as many as can be copied without clamping, at most DGB_MAX_LEVELS. */
+/* Number of levels for a width x height image: as many as can be copied without clamping, 1 to DGB_MAX_LEVELS. */
 DGB_API int dgb_mip_levels(int width, int height);
-/* The level-0 pixel that texel p of `level` was copied from (level m texel p copies 2p + (p.y & 1, p.x & 1) of m-1). */
+/* The level-0 pixel that texel p of `level` was copied from (level m texel p copies 2p + (p.y & 1, p.x & 1) of m-1).
+   level below 0: 0; beyond the last: DGB_MAX_LEVELS - 1. */
 DGB_API void dgb_mip_source(const int p[2], int level, int source[2]);
 
 /* A projection, reduced to what shaders need. Four vec4 in std140. Fill it with dgb_camera_from_matrix. */
@@ -640,7 +668,7 @@ typedef struct dgb_camera {
 DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip,
                                           bool reversed, dgb_camera* camera);
 /* The projection of the image widened by a guard band and shifted by a jitter (pixels): rows 0 and 1 times
-   size / (size + 2 guard), then the jitter. */
+   size / (size + 2 guard), then the jitter. A buffer of less than a pixel counts as one pixel. */
 DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band,
                                   const float jitter[2], float widened[16]);
 /* The depth as a fixed-point buffer of `codes` + 1 values holds it (65535 for D16, 16777215 for D24); 0 or less: a float
@@ -649,6 +677,10 @@ DGB_API float dgb_depth_code(float depth, float codes);
 /* Camera z, metres, of a depth-buffer value 0..1. The empty depth, NaN, and what lies beyond 1e15 m or not in front of
    the eye (perspective): 0. */
 DGB_API float dgb_linear_z(float depth, const dgb_camera* camera);
+/* Distance, m, up to which neighbouring depths of the format (0: D32F) are at most a separation apart, to 0.1 %. Up to half of it
+   surfaces twice the separation apart are surely in two layers; farther away layers are told apart where depths are, as by plain
+   peeling, and nowhere does a deeper layer come out in front. DGB_MAX_DISTANCE: everywhere; 0: nowhere, or separation NaN. */
+DGB_API float dgb_separation_limit(float separation, dgb_format depth_format, const dgb_camera* camera);
 /* Camera-space point at a pixel position (centres at +0.5) and camera z. */
 DGB_API void dgb_position(float pixel_x, float pixel_y, float z, const dgb_camera* camera, float point[3]);
 /* Pixels that one metre covers at camera z. 0 where z is not in front of the eye. */
@@ -1374,21 +1406,21 @@ DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]) {
 
 DGB_API int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     if (dgbi_is_nan(h) || dgbi_bits(h) >> 31) return min_level;
-    return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - log2_q, min_level, max_level);
+    return dgbi_clamp((int)(dgbi_bits(h) >> 23) - 127 - dgbi_clamp(log2_q, -256, 256), min_level, max_level);
 }
 
 DGB_API int dgb_mip_levels(int width, int height) {
     int levels = 1;
-    while (levels < DGB_MAX_LEVELS && width >> levels && height >> levels) ++levels;
+    while (levels < DGB_MAX_LEVELS && width >> levels > 0 && height >> levels > 0) ++levels;
     return levels;
 }
 
 DGB_API void dgb_mip_source(const int p[2], int level, int source[2]) {
-    const int even = 0xaaaa >> (16 - level),
-              odd = 0x5555 >> (16 - level); /* sums of every other power of two below 2^level */
-    const int a = p[0] & 1, b = p[1] & 1;
-    source[0] = (p[0] << level) + b * even + a * odd;
-    source[1] = (p[1] << level) + a * even + b * odd;
+    const uint32_t m = (uint32_t)dgbi_clamp(level, 0, DGB_MAX_LEVELS - 1);
+    /* sums of every other power of two below 2^m */
+    const uint32_t even = 0xaaaau >> (16u - m), odd = 0x5555u >> (16u - m), x = (uint32_t)p[0], y = (uint32_t)p[1];
+    source[0] = (int)((x << m) + (y & 1u) * even + (x & 1u) * odd);
+    source[1] = (int)((y << m) + (x & 1u) * even + (y & 1u) * odd);
 }
 
 /* >> camera: depth, position */
@@ -1448,9 +1480,14 @@ DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width,
     return DGB_OK;
 }
 
+static double dgbi_buffer_size(int size, int guard_band) {
+    const double pixels = size + 2.0 * guard_band;
+    return pixels > 1.0 ? pixels : 1.0;
+}
+
 DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band,
                                   const float jitter[2], float widened[16]) {
-    const double size[2] = {(double)width + 2.0 * guard_band, (double)height + 2.0 * guard_band};
+    const double size[2] = {dgbi_buffer_size(width, guard_band), dgbi_buffer_size(height, guard_band)};
     const double scale[2] = {width / size[0], height / size[1]};
     int row, column;
     for (column = 0; column < 4; ++column) {
@@ -1479,6 +1516,45 @@ DGB_API float dgb_linear_z(float depth, const dgb_camera* camera) {
         (perspective && z >= 0.0f))
         return 0.0f;
     return z;
+}
+
+static float dgbi_depth_codes(dgb_format format) {
+    return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
+}
+
+/* From a float to the next: twice 2^-24, for mantissas of 1/2 to 1. */
+static double dgbi_float_step(double x) {
+    int exponent;
+    (void)frexp(x, &exponent);
+    return ldexp(1.0, exponent - 24);
+}
+
+#define DGBI_BEYOND_FAR 1e300
+
+/* Metres from one depth, and from one float z, to the next, whichever is more; 0 before the near plane. */
+static double dgbi_resolution(double distance, float codes, const dgb_camera* camera) {
+    const double l0 = (double)camera->linearise[0], l1 = (double)camera->linearise[1];
+    const double l2 = (double)camera->linearise[2], l3 = (double)camera->linearise[3];
+    const double clear = (double)camera->footprint[3];
+    const double below = l3 * distance + l1, t = below != 0.0 ? -(l0 + l2 * distance) / below : 0.0, depth = t + clear;
+    const double w = l2 + l3 * t, slope = w != 0.0 ? fabs(l1 * l2 - l0 * l3) / w / w : 0.0;
+    const double z_step = dgbi_float_step(distance);
+    const double step = slope * (codes > 0.0f ? 1.0 / (double)codes : dgbi_float_step(depth));
+    if (!(depth >= 0.0 && depth <= 1.0)) return (clear > 0.5 ? depth > 1.0 : depth < 0.0) ? DGBI_BEYOND_FAR : 0.0;
+    return step > z_step ? step : z_step;
+}
+
+DGB_API float dgb_separation_limit(float separation, dgb_format depth_format, const dgb_camera* camera) {
+    const float codes = dgbi_depth_codes(depth_format);
+    const double finer = 1.0009765625;
+    double distance = 1e-15;
+    if (dgbi_is_nan(separation)) return 0.0f;
+    /* the resolution grows with the distance, but where floats become finer drops by half at most */
+    while (distance < (double)DGB_MAX_DISTANCE && dgbi_resolution(distance, codes, camera) <= (double)separation)
+        distance *= 2.0 * dgbi_resolution(2.0 * distance, codes, camera) <= (double)separation ? 2.0 : finer;
+    if (distance >= (double)DGB_MAX_DISTANCE || dgbi_resolution(distance, codes, camera) >= DGBI_BEYOND_FAR)
+        return DGB_MAX_DISTANCE;
+    return dgbi_resolution(distance / finer, codes, camera) > 0.0 ? (float)(distance / finer) : 0.0f;
 }
 
 DGB_API void dgb_position(float pixel_x, float pixel_y, float z, const dgb_camera* camera, float point[3]) {
@@ -1526,7 +1602,7 @@ DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float 
 DGB_API float dgb_gather_scale(float sum_cos, int count, float k) {
     const float cosines = sum_cos * k, half = 0.5f * (float)count;
     if (count < 1) return 0.0f;
-    return (float)DGBI_PI / (cosines > half ? cosines : half);
+    return (float)DGBI_PI / (!dgbi_is_nan(cosines) && cosines > half ? cosines : half);
 }
 
 DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturated) {
@@ -1655,10 +1731,11 @@ DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[
 
 /* The mean of a cone's directions is 2/3 (1 + c + c^2) / (1 + c) long; k is what is more than 2/3 of it, times 3/2. */
 DGB_API float dgb_bent_cosine(const float bent[4]) {
+    const bool open = !dgbi_is_nan(bent[3]) && bent[3] > 0.0f;
     const float length = sqrtf(dgbi_dot(bent, bent));
-    const float k = dgbi_max0(1.5f * length / bent[3] - 1.0f);
+    const float k = dgbi_max0(1.5f * length / (open ? bent[3] : 1.0f) - 1.0f);
     const float cosine = 0.5f * (k + sqrtf(k * k + 4.0f * k));
-    return dgbi_is_finite(cosine) && bent[3] > 0.0f && cosine < 1.0f ? cosine : 1.0f;
+    return dgbi_is_finite(cosine) && open && cosine < 1.0f ? cosine : 1.0f;
 }
 
 /* >> reflections: the lobe */
@@ -2773,10 +2850,6 @@ static void dgbi_distance_row(const float p[16], float row[4]) {
     row[1] = perspective ? -1.0f / p[11] : 0.0f;
     row[2] = perspective ? p[15] / p[11] : p[14] / p[10];
     row[3] = 0.0f;
-}
-
-static float dgbi_depth_codes(dgb_format format) {
-    return format == DGB_FORMAT_D16 ? 65535.0f : format == DGB_FORMAT_D24 ? 16777215.0f : 0.0f;
 }
 
 typedef struct dgbi_build {         /* one submission: the layers, the back faces, or the prediction */

@@ -8,7 +8,8 @@
    eglGetProcAddress both fit).
 
    NEEDS     OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float (peeling only there).
-   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init.
+   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init (but for
+             dgbgl_draw_view).
 
    START (with a context current)
        static dgbgl_backend gl;                             keep it as long as the dgb_context
@@ -49,11 +50,14 @@
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
        viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
-       mode, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip control, program (even
-       one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active texture, textures and
-       samplers of the units used, image units 0 to 4, pixel unpacking. desc.keep_state = true skips all of it, and every
-       glGet: then set your own.
-       Not restorable, so not allowed around a call: active transform feedback, conditional rendering.
+       mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip
+       control, program (even one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active
+       texture, textures and samplers of the units used, image units 0 to 4, pixel unpacking, query buffer.
+       desc.keep_state = true skips all of it, and every glGet: then set your own.
+       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns only lines,
+       points and patches.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours that are
+       active count what the library draws.
 
    ERRORS OF GL
        What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
@@ -65,6 +69,12 @@
        Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback the oracle sits
        in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding (default 23);
        with IMAGE emission the layers are bound to image units 0 to 4 as well.
+
+   TO LOOK AT IT
+       dgbgl_view_desc v = {0};
+       v.view = DGBGL_VIEW_VALIDITY, v.layer = 1;
+       dgbgl_draw_view(&dgb, &v);                           any layer or result, into the framebuffer that is bound
+       Passes are debug groups, objects have labels: a frame debugger shows what is what.
 
    THREADS   those of the GL context.
 */
@@ -92,11 +102,12 @@ extern "C" {
 #define DGBGL_MAX_IMAGES 5
 #define DGBGL_MAX_VIEWPORTS 16
 #define DGBGL_MAX_DRAW_BUFFERS 8
-#define DGBGL_TOGGLE_COUNT 23
+#define DGBGL_TOGGLE_COUNT 26
+#define DGBGL_UNPACK_COUNT 7
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
-/* Compiler and linker messages with the pass they belong to; what the driver lacks. */
+/* Compiler and linker messages with the pass they belong to; what the driver lacks; errors of GL that are the engine's. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
 typedef struct dgbgl_desc {     /* 0 means default */
@@ -243,7 +254,7 @@ typedef struct dgbgl_state { /* the engine's, while a dgb_* call runs */
     int64_t uniform_start, uniform_size;
     int active_texture, textures_2d[DGBGL_MAX_UNITS + 1], textures_array[DGBGL_MAX_UNITS + 1];
     int samplers[DGBGL_MAX_UNITS + 1];
-    int unpack_buffer, unpack[6];
+    int query_buffer, unpack_buffer, unpack[DGBGL_UNPACK_COUNT];
     int images[DGBGL_MAX_IMAGES][6]; /* name, level, layered, layer, access, format */
 } dgbgl_state;
 
@@ -253,10 +264,11 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     bool es;                   /* read: OpenGL ES */
     dgbgl_functions gl;
     dgbgl_desc desc;
-    bool indexed_viewports, indexed_buffers, images;
+    bool indexed_viewports, indexed_buffers, images, query_buffers;
     bool interlock; /* image emission is ordered by the extension, not by a rasteriser known to be in order */
     const char* layer_extension; /* that lets a vertex shader write gl_Layer, or null */
     unsigned int vertex_array, uniform_buffer, sampler;
+    unsigned int view_program; /* 0 until dgbgl_draw_view needs it */
     struct {
         unsigned int name;
         int count;
@@ -325,6 +337,48 @@ DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* c
    with a probe's light and an environment map's by its confidence: put it into the shader that composites, after #version. As
    snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
+
+/* What dgbgl_draw_view can show. X(name, word, slot, legend); those up to VALIDITY are of one layer. */
+#define DGBGL_VIEWS(X)                                                                                            \
+    X(DEPTH, "depth", DGB_DEPTH, "near is white, far is black, nothing is blue")                                  \
+    X(NORMAL, "normal", DGB_NORMAL, "camera space: x red, y green, z blue; grey is 0")                            \
+    X(ALBEDO, "albedo", DGB_ALBEDO, "what a surface reflects")                                                    \
+    X(RADIANCE, "radiance", DGB_RADIANCE, "what a surface sends: its emission and direct light")                  \
+    X(VELOCITY, "velocity", DGB_VELOCITY, "motion since the last frame: right is red, up is green, grey is none") \
+    X(VALIDITY, "validity", DGB_DEPTH, "cyan: the layer has a surface; red: had one, too near to the first")      \
+    X(AO, "ao", DGB_AO, "ambient visibility: 1 is open")                                                          \
+    X(IRRADIANCE, "irradiance", DGB_IRRADIANCE, "bounced light as white paper would show it")                     \
+    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "share of taps that found a sender of light")                     \
+    X(HISTORY, "history", DGB_FRAMES, "frames averaged: black none, red few, white as many as count")             \
+    X(REFLECTION, "reflection", DGB_REFLECTION, "what a mirror or lobe shows, by its confidence")                 \
+    X(REFLECTION_LAYER, "reflection_layer", DGB_REFLECTION_HIT,                                                   \
+      "where the ray ended: blue layer 0, orange layer 1, black none")                                            \
+    X(LIGHT, "light", DGB_SLOT_NONE, "linear light of a texture of your own")
+
+typedef enum dgbgl_view {
+#define DGBGL_VIEW_ENUM(name, word, slot, legend) DGBGL_VIEW_##name,
+    DGBGL_VIEWS(DGBGL_VIEW_ENUM)
+#undef DGBGL_VIEW_ENUM
+        DGBGL_VIEW_COUNT
+} dgbgl_view;
+
+typedef struct dgbgl_view_desc { /* 0 means default */
+    dgbgl_view view;
+    int layer;               /* of DEPTH to VALIDITY */
+    int x, y, width, height; /* rectangle of the framebuffer, pixels; default size: the image's */
+    float exposure;          /* factor of light; default 1 */
+    float depth_range;       /* distance at which DEPTH has fallen to an eighth, m; default 20 */
+    unsigned int texture;    /* LIGHT: a GL_TEXTURE_2D of the image's size */
+} dgbgl_view_desc;
+
+/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB values, within the
+   scissor if that test is on. All other state is kept. The first call compiles a program. A texture that changes places with last
+   frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
+   DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments;
+   DGB_OUT_OF_MEMORY or DGB_DEVICE where the driver refuses. */
+DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view);
+DGB_API const char* dgbgl_view_name(dgbgl_view view);   /* "reflection_layer"; "?" out of range, here and below */
+DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean */
 
 /* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
@@ -408,6 +462,9 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }\n"
     "\n"
+    "// The same for parts of directions and shares: what is beyond -1..1, or NaN, becomes 0.\n"
+    "vec4 dgb_storable_unit(vec4 v) { return mix(vec4(0.0), v, lessThanEqual(abs(v), vec4(1.0))); }\n"
+    "\n"
     "// The nearest value >= 0 that a small float of so many mantissa bits holds. Implementations round or truncate what they store;\n"
     "// truncated bounce after bounce, light loses a tenth, and its blue a fifth.\n"
     "float dgb_nearest(float x, int bits) {\n"
@@ -447,11 +504,11 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return int(index);\n"
     "}\n"
     "\n"
-    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n"
+    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n",
     "    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;\n"
     "    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
-    "\n",
+    "\n"
     "int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {\n"
     "    // in brackets: what is the same for all taps\n"
     "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;\n"
@@ -539,13 +596,13 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "float dgb_ambient_visibility(float sum, float pi_over_count) {\n"
     "    return sum > 0.0 ? max(1.0 - sqrt(pi_over_count * sum), 0.0) : 1.0;\n"
     "}\n"
-    "\n"
+    "\n",
     "float dgb_gather_term(vec3 v, vec3 n_x, float r2) {\n"
     "    float d2     = dot(v, v);\n"
     "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
     "    return d2 <= r2 && cosine > DGB_MIN_COSINE ? cosine : 0.0;\n"
     "}\n"
-    "\n",
+    "\n"
     "float dgb_gather_scale(float sum_cos, float count, float k) {\n"
     "    return count > 0.0 ? DGB_PI / max(sum_cos * k, 0.5 * count) : 0.0;\n"
     "}\n"
@@ -1809,7 +1866,8 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "// 2/3 of the normal: where nothing is, there is no noise.\n"
     "vec4 dgb_bent(dgb_receiver r, vec4 look) {\n"
     "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n"
-    "    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);\n"
+    "    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;\n"
+    "    return dgb_storable_unit(vec4(world, 1.0 - look.a)); // too near to the eye, there is no direction to it\n"
     "}\n"
     "#endif\n"
     "\n"
@@ -2088,8 +2146,7 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);\n"
     "    h.visibility_frames += weight * dgb_storable(frames.y);\n"
     "#if DGB_BENT\n"
-    "    vec4 bent = texelFetch(dgb_last_bent, texel, 0);\n"
-    "    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through\n"
+    "    h.bent += weight * dgb_storable_unit(texelFetch(dgb_last_bent, texel, 0));\n"
     "#endif\n"
     "}\n"
     "\n"
@@ -2110,8 +2167,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    }\n"
     "    return h;\n"
     "}\n"
-    "\n",
-    "// Weight of an average of so many frames against one frame more.\n"
+    "\n"
+    "// Weight of an average of so many frames against one frame more.\n",
     "float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }\n"
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
@@ -2190,8 +2247,8 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);\n"
     "#if DGB_LIMITED\n"
     "    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);\n"
-    "#endif\n",
-    "    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);\n"
+    "#endif\n"
+    "    open = dgb_dithered(mix(open, before, dgb_history_weight(h.visibility_frames)), pixel);\n",
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));\n"
     "#endif\n"
     "#if DGB_BENT\n"
@@ -2962,6 +3019,92 @@ static const char* const dgbgli_glsl_composite[] = { /* 70_composite.glsl */
     0
 };
 
+static const char* const dgbgli_glsl_view[] = { /* 75_view.glsl */
+    "#line 750001\n"
+    "// What dgbgl_draw_view shows: a texture of the library's as colours, scaled to a rectangle of any framebuffer.\n"
+    "layout(std140) uniform dgb_view_block {\n"
+    "    dgb_camera dgb_view_camera;\n"
+    "    vec4       dgb_view_rectangle; // lower left corner; pixels of the image a pixel of the rectangle: x, y\n"
+    "    vec4       dgb_view_scale;     // factor of light; m where depth has fallen to an eighth; weight of history\n"
+    "    ivec4      dgb_view_choice;    // view, layer, its divisor, guard band of its texture\n"
+    "    ivec4      dgb_view_has;       // x: packed z\n"
+    "};\n"
+    "\n"
+    "uniform sampler2DArray dgb_view_depth;\n"
+    "uniform sampler2DArray dgb_view_layer;\n"
+    "uniform sampler2D      dgb_view_image;\n"
+    "uniform sampler2D      dgb_view_z;\n"
+    "\n"
+    "out vec4 dgb_view_color;\n"
+    "\n"
+    "vec3 dgb_srgb(vec3 x) {\n"
+    "    vec3 low = 12.92 * x, high = 1.055 * pow(max(x, 0.0), vec3(1.0 / 2.4)) - 0.055;\n"
+    "    return vec3(x.r < 0.0031308 ? low.r : high.r, x.g < 0.0031308 ? low.g : high.g, x.b < 0.0031308 ? low.b : high.b);\n"
+    "}\n"
+    "\n"
+    "// Narkowicz's fit of the ACES filmic curve: 1 becomes 0.8, highlights roll off towards 1.\n"
+    "vec3 dgb_filmic(vec3 light) {\n"
+    "    vec3 x = min(dgb_view_scale.x * light, 1e4);\n"
+    "    return dgb_srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14));\n"
+    "}\n"
+    "\n"
+    "// 1 at the eye, an eighth at dgb_view_scale.y.\n"
+    "float dgb_nearness(float depth) { return exp2(3.0 * dgb_linear_z(depth, dgb_view_camera) / dgb_view_scale.y); }\n"
+    "\n"
+    "vec3 dgb_velocity_color(vec2 velocity) { return vec3(clamp(0.5 + velocity / 32.0, 0.0, 1.0), 0.5); }\n"
+    "\n"
+    "// Over the first layer, dimmed: what this one keeps, and what was too near to the first to be kept.\n"
+    "vec3 dgb_validity_color(ivec2 pixel, bool empty) {\n"
+    "    float first = texelFetch(dgb_view_depth, ivec3(pixel, 0), 0).r;\n"
+    "    vec3  dim   = first == dgb_view_camera.footprint.w ? vec3(0.0) : vec3(0.1 + 0.3 * dgb_nearness(first));\n"
+    "    bool  kept  = true;\n"
+    "    if (dgb_view_has.x != 0 && dgb_view_choice.y < 2)\n"
+    "        kept = texelFetch(dgb_view_z, pixel, 0)[dgb_view_choice.y] > DGB_EMPTY_Z;\n"
+    "    return empty ? dim : dim + (kept ? vec3(0.0, 0.5, 0.5) : vec3(0.6, 0.0, 0.0));\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_layer_color(ivec2 pixel) {\n"
+    "    ivec3 texel = ivec3(pixel / dgb_view_choice.z, dgb_view_choice.y);\n"
+    "    float depth = texelFetch(dgb_view_depth, texel, 0).r;\n"
+    "    vec4  value = texelFetch(dgb_view_layer, texel, 0);\n"
+    "    bool  empty = depth == dgb_view_camera.footprint.w;\n"
+    "    int   view  = dgb_view_choice.x;\n"
+    "    if (view == DGB_VIEW_VALIDITY) return dgb_validity_color(pixel, empty);\n"
+    "    if (view == DGB_VIEW_DEPTH) return empty ? vec3(0.05, 0.08, 0.3) : vec3(dgb_nearness(depth));\n"
+    "    if (empty) return vec3(0.0);\n"
+    "    if (view == DGB_VIEW_NORMAL) return 0.5 + 0.5 * dgb_oct16_decode(value.rg);\n"
+    "    if (view == DGB_VIEW_ALBEDO) return dgb_srgb(value.rgb);\n"
+    "    if (view == DGB_VIEW_RADIANCE) return dgb_filmic(value.rgb);\n"
+    "    return dgb_velocity_color(value.rg);\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_history_color(vec4 value) {\n"
+    "    float frames = max(value.g, value.b); // averaged of visibility, of light\n"
+    "    float share  = min(frames / (frames + 1.0), dgb_view_scale.z) / max(dgb_view_scale.z, 1e-3);\n"
+    "    return frames == 0.0 ? vec3(0.0) : mix(vec3(0.8, 0.1, 0.0), vec3(1.0), share * share);\n"
+    "}\n"
+    "\n"
+    "vec3 dgb_image_color(ivec2 pixel) {\n"
+    "    vec4 value = texelFetch(dgb_view_image, pixel, 0);\n"
+    "    int  view  = dgb_view_choice.x;\n"
+    "    if (view == DGB_VIEW_AO) return value.rrr;\n"
+    "    if (view == DGB_VIEW_IRRADIANCE) return dgb_filmic(value.rgb / DGB_PI);\n"
+    "    if (view == DGB_VIEW_CONFIDENCE) return value.aaa;\n"
+    "    if (view == DGB_VIEW_HISTORY) return dgb_history_color(value);\n"
+    "    if (view == DGB_VIEW_REFLECTION) return dgb_filmic(value.rgb * value.a);\n"
+    "    if (view == DGB_VIEW_REFLECTION_LAYER)\n"
+    "        return value.r == 0.0 ? vec3(0.0) : value.r < 1.5 ? vec3(0.1, 0.3, 0.9) : vec3(1.0, 0.5, 0.0);\n"
+    "    return dgb_filmic(value.rgb);\n"
+    "}\n"
+    "\n"
+    "void main() {\n"
+    "    ivec2 pixel    = ivec2((gl_FragCoord.xy - dgb_view_rectangle.xy) * dgb_view_rectangle.zw) + dgb_view_choice.w;\n"
+    "    bool  of_layer = dgb_view_choice.x <= DGB_VIEW_VALIDITY;\n",
+    "    dgb_view_color = vec4(of_layer ? dgb_layer_color(pixel) : dgb_image_color(pixel), 1.0);\n"
+    "}\n",
+    0
+};
+
 /* clang-format on */
 /* << embedded GLSL */
 
@@ -2978,6 +3121,7 @@ enum {
     DGBGLI_OUT_OF_MEMORY = 0x0505,
     DGBGLI_CONTEXT_LOST = 0x0507,
     DGBGLI_POLYGON_MODE = 0x0B40,
+    DGBGLI_POLYGON_SMOOTH = 0x0B41,
     DGBGLI_CULL_FACE = 0x0B44,
     DGBGLI_DEPTH_RANGE = 0x0B70,
     DGBGLI_DEPTH_TEST = 0x0B71,
@@ -2990,6 +3134,7 @@ enum {
     DGBGLI_COLOR_LOGIC_OP = 0x0BF2,
     DGBGLI_SCISSOR_TEST = 0x0C11,
     DGBGLI_COLOR_WRITEMASK = 0x0C23,
+    DGBGLI_UNPACK_SWAP_BYTES = 0x0CF0,
     DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
     DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
     DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
@@ -3014,6 +3159,8 @@ enum {
     DGBGLI_TEXTURE_MIN_FILTER = 0x2801,
     DGBGLI_TEXTURE_WRAP_S = 0x2802,
     DGBGLI_TEXTURE_WRAP_T = 0x2803,
+    DGBGLI_POLYGON_OFFSET_POINT = 0x2A01,
+    DGBGLI_POLYGON_OFFSET_LINE = 0x2A02,
     DGBGLI_CLIP_DISTANCE0 = 0x3000,
     DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
     DGBGLI_RGBA8 = 0x8058,
@@ -3058,6 +3205,8 @@ enum {
     DGBGLI_ACTIVE_TEXTURE = 0x84E0,
     DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
     DGBGLI_DEPTH_CLAMP = 0x864F,
+    DGBGLI_QUERY_BUFFER = 0x9192,
+    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
     DGBGLI_QUERY_RESULT = 0x8866,
     DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
     DGBGLI_RGBA16F = 0x881A,
@@ -3269,16 +3418,22 @@ static const struct {
                                         {DGBGLI_CLIP_DISTANCE0 + 4, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 5, 330, 0},
                                         {DGBGLI_CLIP_DISTANCE0 + 6, 330, 0},
-                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0}};
+                                        {DGBGLI_CLIP_DISTANCE0 + 7, 330, 0},
+                                        {DGBGLI_POLYGON_SMOOTH, 330, 0},
+                                        {DGBGLI_POLYGON_OFFSET_POINT, 330, 0}, /* these two move the last bits of */
+                                        {DGBGLI_POLYGON_OFFSET_LINE, 330, 0}}; /* filled triangles in llvmpipe */
 
 static bool dgbgli_has_toggle(const dgbgl_backend* b, int i) {
     const int since = b->es ? dgbgli_toggles[i].since_es : dgbgli_toggles[i].since;
     return since != 0 && b->version >= since;
 }
 
-static const unsigned int dgbgli_unpack[6] = {DGBGLI_UNPACK_ROW_LENGTH,   DGBGLI_UNPACK_SKIP_ROWS,
-                                              DGBGLI_UNPACK_SKIP_PIXELS,  DGBGLI_UNPACK_ALIGNMENT,
-                                              DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES};
+/* How GL reads pixels. OpenGL ES swaps no bytes. */
+static const unsigned int dgbgli_unpack[DGBGL_UNPACK_COUNT] = {
+    DGBGLI_UNPACK_ROW_LENGTH,   DGBGLI_UNPACK_SKIP_ROWS,   DGBGLI_UNPACK_SKIP_PIXELS, DGBGLI_UNPACK_ALIGNMENT,
+    DGBGLI_UNPACK_IMAGE_HEIGHT, DGBGLI_UNPACK_SKIP_IMAGES, DGBGLI_UNPACK_SWAP_BYTES};
+
+static int dgbgli_unpack_count(const dgbgl_backend* b) { return b->es ? DGBGL_UNPACK_COUNT - 1 : DGBGL_UNPACK_COUNT; }
 
 static int dgbgli_get(const dgbgl_backend* b, unsigned int name) {
     int value[4] = {0, 0, 0, 0};
@@ -3377,8 +3532,9 @@ static void dgbgli_save_bindings(dgbgl_backend* b, dgbgl_state* s) {
         s->samplers[i] = dgbgli_get(b, DGBGLI_SAMPLER_BINDING);
     }
     dgbgli_save_images(b, s);
+    if (b->query_buffers) s->query_buffer = dgbgli_get(b, DGBGLI_QUERY_BUFFER_BINDING);
     s->unpack_buffer = dgbgli_get(b, DGBGLI_PIXEL_UNPACK_BUFFER_BINDING);
-    for (i = 0; i < 6; ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i) s->unpack[i] = dgbgli_get(b, dgbgli_unpack[i]);
 }
 
 static void dgbgli_depth_range(const dgbgl_backend* b, double near_value, double far_value) {
@@ -3399,8 +3555,10 @@ static void dgbgli_set_defaults(const dgbgl_backend* b) {
     b->gl.DepthMask(DGBGLI_TRUE);
     dgbgli_depth_range(b, 0.0, 1.0);
     if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, 0); /* else the timers are read into it */
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
-    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], dgbgli_unpack[i] == DGBGLI_UNPACK_ALIGNMENT ? 1 : 0);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i)
+        b->gl.PixelStorei(dgbgli_unpack[i], dgbgli_unpack[i] == DGBGLI_UNPACK_ALIGNMENT ? 1 : 0);
 }
 
 static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) {
@@ -3458,8 +3616,9 @@ static void dgbgli_restore_bindings(const dgbgl_backend* b, const dgbgl_state* s
     }
     b->gl.ActiveTexture((unsigned)s->active_texture);
     dgbgli_restore_images(b, s);
+    if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, (unsigned)s->query_buffer);
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, (unsigned)s->unpack_buffer);
-    for (i = 0; i < 6; ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
+    for (i = 0; i < dgbgli_unpack_count(b); ++i) b->gl.PixelStorei(dgbgli_unpack[i], s->unpack[i]);
 }
 
 static void dgbgli_begin(void* user) {
@@ -3677,39 +3836,33 @@ DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage st
 }
 
 /* A compiled shader, or 0 and a message. */
-static unsigned int dgbgli_compile(const dgbgl_backend* b, const dgb_program_desc* d, dgbgl_stage stage) {
+static unsigned int dgbgli_compile(const dgbgl_backend* b, const char* what, dgbgl_stage stage,
+                                   const dgbgli_chunks* c) {
     const unsigned int shader =
         b->gl.CreateShader(stage == DGBGL_VERTEX ? DGBGLI_VERTEX_SHADER : DGBGLI_FRAGMENT_SHADER);
-    char head[1024], log[2048];
-    dgbgli_text t = dgbgli_text_on(head, sizeof head);
-    dgbgli_chunks c;
+    char log[2048];
     int ok = 0;
     if (!shader) {
-        dgbgli_message(b, dgb_pass_name(d->pass), "the driver gives no shader");
+        dgbgli_message(b, what, "the driver gives no shader");
         return 0;
     }
-    c.pieces[0] = head;
-    c.count = 1;
-    dgbgli_put_pass_head(&t, d, b->version, b->es);
-    dgbgli_pass_chunks(d, stage, &c);
-    b->gl.ShaderSource(shader, c.count, c.pieces, NULL);
+    b->gl.ShaderSource(shader, c->count, c->pieces, NULL);
     b->gl.CompileShader(shader);
     b->gl.GetShaderiv(shader, DGBGLI_COMPILE_STATUS, &ok);
     if (ok) return shader;
     log[0] = 0;
     b->gl.GetShaderInfoLog(shader, (int)sizeof log, NULL, log);
-    dgbgli_message(b, dgb_pass_name(d->pass), log);
+    dgbgli_message(b, what, log);
     b->gl.DeleteShader(shader);
     return 0;
 }
 
-static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* d, unsigned int vertex,
-                                unsigned int fragment) {
+static unsigned int dgbgli_link(const dgbgl_backend* b, const char* what, unsigned int vertex, unsigned int fragment) {
     const unsigned int program = b->gl.CreateProgram();
     char log[2048];
     int ok = 0;
     if (!program) {
-        dgbgli_message(b, dgb_pass_name(d->pass), "the driver gives no program");
+        dgbgli_message(b, what, "the driver gives no program");
         return 0;
     }
     b->gl.AttachShader(program, vertex);
@@ -3719,9 +3872,21 @@ static unsigned int dgbgli_link(const dgbgl_backend* b, const dgb_program_desc* 
     if (ok) return program;
     log[0] = 0;
     b->gl.GetProgramInfoLog(program, (int)sizeof log, NULL, log);
-    dgbgli_message(b, dgb_pass_name(d->pass), log);
+    dgbgli_message(b, what, log);
     b->gl.DeleteProgram(program);
     return 0;
+}
+
+/* A linked and labelled program of the two texts, or 0 and a message. */
+static unsigned int dgbgli_make_program(const dgbgl_backend* b, const char* what, const dgbgli_chunks* vertex_text,
+                                        const dgbgli_chunks* fragment_text) {
+    const unsigned int vertex = dgbgli_compile(b, what, DGBGL_VERTEX, vertex_text);
+    const unsigned int fragment = vertex ? dgbgli_compile(b, what, DGBGL_FRAGMENT, fragment_text) : 0;
+    const unsigned int program = fragment ? dgbgli_link(b, what, vertex, fragment) : 0;
+    if (vertex) b->gl.DeleteShader(vertex);
+    if (fragment) b->gl.DeleteShader(fragment);
+    if (program) dgbgli_label(b, DGBGLI_PROGRAM, program, what);
+    return program;
 }
 
 /* Texture unit of a slot. No pass reads two slots that share one. */
@@ -3825,15 +3990,19 @@ static void dgbgli_connect_block(const dgbgl_backend* b, unsigned int program, c
 
 static dgb_result dgbgli_program_create(void* user, const dgb_program_desc* d, dgb_program* program) {
     dgbgl_backend* b = (dgbgl_backend*)user;
-    const unsigned int vertex = dgbgli_compile(b, d, DGBGL_VERTEX);
-    const unsigned int fragment = vertex ? dgbgli_compile(b, d, DGBGL_FRAGMENT) : 0;
-    const unsigned int name = fragment ? dgbgli_link(b, d, vertex, fragment) : 0;
-    if (vertex) b->gl.DeleteShader(vertex);
-    if (fragment) b->gl.DeleteShader(fragment);
+    char head[1024];
+    dgbgli_text t = dgbgli_text_on(head, sizeof head);
+    dgbgli_chunks vertex, fragment;
+    unsigned int name;
+    dgbgli_put_pass_head(&t, d, b->version, b->es);
+    vertex.pieces[0] = fragment.pieces[0] = head;
+    vertex.count = fragment.count = 1;
+    dgbgli_pass_chunks(d, DGBGL_VERTEX, &vertex);
+    dgbgli_pass_chunks(d, DGBGL_FRAGMENT, &fragment);
+    name = dgbgli_make_program(b, dgb_pass_name(d->pass), &vertex, &fragment);
     if (!name) return DGB_DEVICE;
     dgbgli_connect_samplers(b, name);
     dgbgli_connect_block(b, name, dgbgli_is_bitmask(d) ? "bitmask" : dgb_pass_name(d->pass));
-    dgbgli_label(b, DGBGLI_PROGRAM, name, dgb_pass_name(d->pass));
     program->id = name;
     return DGB_OK;
 }
@@ -4094,6 +4263,140 @@ DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* 
     return true;
 }
 
+/* >> views: a texture as colours, drawn into the engine's framebuffer */
+
+static const struct {
+    const char *name, *legend, *define;
+    dgb_slot slot;
+} dgbgli_views[DGBGL_VIEW_COUNT] = {
+#define DGBGLI_VIEW(name, word, slot, legend) {word, legend, "DGB_VIEW_" #name, slot},
+    DGBGL_VIEWS(DGBGLI_VIEW)
+#undef DGBGLI_VIEW
+};
+
+static bool dgbgli_is_view(dgbgl_view view) { return (int)view >= 0 && view < DGBGL_VIEW_COUNT; }
+
+DGB_API const char* dgbgl_view_name(dgbgl_view view) { return dgbgli_is_view(view) ? dgbgli_views[view].name : "?"; }
+
+DGB_API const char* dgbgl_view_legend(dgbgl_view view) {
+    return dgbgli_is_view(view) ? dgbgli_views[view].legend : "?";
+}
+
+typedef struct dgbgli_view_uniforms { /* dgb_view_block */
+    dgb_camera camera;
+    float rectangle[4]; /* lower left corner; pixels of the image a pixel of the rectangle: x, y */
+    float scale[4];     /* factor of light; m where depth has fallen to an eighth; weight of history */
+    int32_t choice[4];  /* view, layer, its divisor, guard band of its texture */
+    int32_t has[4];     /* x: packed z */
+} dgbgli_view_uniforms;
+
+/* Samplers of the program; the unit of each is its place. */
+static const char* const dgbgli_view_samplers[4] = {"dgb_view_depth", "dgb_view_layer", "dgb_view_image", "dgb_view_z"};
+
+static bool dgbgli_make_view_program(dgbgl_backend* b) {
+    char head[1024];
+    dgbgli_text t = dgbgli_text_on(head, sizeof head);
+    dgbgli_chunks vertex, fragment;
+    int i;
+    if (b->view_program) return true;
+    dgbgli_put_version(&t, b->version, b->es);
+    dgbgli_put_precision(&t, b->es);
+    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(&t, dgbgli_views[i].define, i);
+    vertex.pieces[0] = fragment.pieces[0] = head;
+    vertex.count = fragment.count = 1;
+    dgbgli_add_chunks(&vertex, dgbgli_glsl_fullscreen);
+    dgbgli_add_chunks(&fragment, dgbgli_glsl_common);
+    dgbgli_add_chunks(&fragment, dgbgli_glsl_view);
+    b->view_program = dgbgli_make_program(b, "view", &vertex, &fragment);
+    if (!b->view_program) return false;
+    dgbgli_connect_block(b, b->view_program, "view");
+    b->gl.UseProgram(b->view_program);
+    for (i = 0; i < 4; ++i) b->gl.Uniform1i(b->gl.GetUniformLocation(b->view_program, dgbgli_view_samplers[i]), i);
+    return true;
+}
+
+/* Null, or why the view cannot be drawn. */
+static const char* dgbgli_view_fault(const dgb_context* c, const dgbgl_view_desc* v) {
+    if (!dgbgli_is_view(v->view)) return "there is no such view";
+    if (v->width < 0 || v->height < 0) return "width and height must be 0 or more";
+    if (!(v->exposure >= 0.0f && v->depth_range >= 0.0f)) return "exposure and depth_range must be 0 or more";
+    if (v->view == DGBGL_VIEW_LIGHT) return v->texture ? NULL : "LIGHT needs a texture";
+    if (!dgb_get_texture(c, dgbgli_views[v->view].slot).id)
+        return "the context does not make this texture: set the effect or target, and build layers with the library";
+    if (v->view <= DGBGL_VIEW_VALIDITY && (v->layer < 0 || v->layer >= c->plan.layers)) return "there is no such layer";
+    return NULL;
+}
+
+static void dgbgli_bind_view(const dgbgl_backend* b, unsigned int unit, unsigned int target, unsigned int name) {
+    b->gl.ActiveTexture(DGBGLI_TEXTURE0 + unit);
+    b->gl.BindTexture(target, name);
+    b->gl.BindSampler(unit, b->sampler);
+}
+
+static void dgbgli_bind_views(const dgbgl_backend* b, const dgb_context* c, const dgbgl_view_desc* v) {
+    const bool of_layer = v->view <= DGBGL_VIEW_VALIDITY;
+    const dgb_texture texture = dgb_get_texture(c, dgbgli_views[v->view].slot);
+    const unsigned int name = v->view == DGBGL_VIEW_LIGHT ? v->texture : dgbgl_texture_name(texture);
+    dgbgli_bind_view(b, 0, DGBGLI_TEXTURE_2D_ARRAY, dgbgl_texture_name(dgb_get_texture(c, DGB_DEPTH)));
+    dgbgli_bind_view(b, 1, DGBGLI_TEXTURE_2D_ARRAY, of_layer ? name : 0);
+    dgbgli_bind_view(b, 2, DGBGLI_TEXTURE_2D, of_layer ? 0 : name);
+    dgbgli_bind_view(b, 3, DGBGLI_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(c, DGB_Z)));
+}
+
+static void dgbgli_view_block(const dgb_context* c, const dgbgl_view_desc* v, int width, int height,
+                              dgbgli_view_uniforms* u) {
+    memset(u, 0, sizeof *u);
+    u->camera = c->camera;
+    u->rectangle[0] = (float)v->x;
+    u->rectangle[1] = (float)v->y;
+    u->rectangle[2] = (float)c->desc.width / (float)width;
+    u->rectangle[3] = (float)c->desc.height / (float)height;
+    u->scale[0] = v->exposure > 0.0f ? v->exposure : 1.0f;
+    u->scale[1] = v->depth_range > 0.0f ? v->depth_range : 20.0f;
+    u->scale[2] = c->shaded_params.history_weight;
+    u->choice[0] = (int32_t)v->view;
+    u->choice[1] = v->layer;
+    u->choice[2] = v->layer > 0 && c->desc.divisor > 0 ? c->desc.divisor : 1;
+    u->choice[3] = v->view == DGBGL_VIEW_LIGHT ? 0 : c->desc.guard_band;
+    u->has[0] = dgb_get_texture(c, DGB_Z).id != 0;
+}
+
+DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view) {
+    dgbgl_backend* b;
+    dgbgli_view_uniforms uniforms;
+    const char* fault;
+    dgb_result result = DGB_DEVICE, ended;
+    bool scissor;
+    int width, height;
+    if (!context || !view || context->backend.texture_create != dgbgli_texture_create) return DGB_INVALID;
+    b = (dgbgl_backend*)context->backend.user;
+    fault = dgbgli_view_fault(context, view);
+    if (fault) {
+        dgbgli_message(b, "view", fault);
+        return DGB_INVALID;
+    }
+    width = view->width ? view->width : context->desc.width;
+    height = view->height ? view->height : context->desc.height;
+    dgbgli_view_block(context, view, width, height, &uniforms);
+    scissor = b->gl.IsEnabled(DGBGLI_SCISSOR_TEST) != 0;
+    if (b->gl.PushDebugGroup) b->gl.PushDebugGroup(DGBGLI_DEBUG_SOURCE_APPLICATION, 0, -1, "view");
+    dgbgli_begin(b);
+    if (dgbgli_make_view_program(b)) {
+        dgb_program program;
+        program.id = b->view_program;
+        dgbgli_enable(b, DGBGLI_SCISSOR_TEST, scissor);
+        dgbgli_bind_views(b, context, view);
+        dgbgli_uniforms_upload(b, &uniforms, sizeof uniforms);
+        b->gl.Viewport(view->x, view->y, width, height);
+        b->gl.BindVertexArray(b->vertex_array);
+        dgbgli_draw_fullscreen(b, program);
+        result = DGB_OK;
+    }
+    ended = dgbgli_end(b);
+    if (b->gl.PopDebugGroup) b->gl.PopDebugGroup();
+    return result == DGB_OK ? ended : result;
+}
+
 /* >> init, shutdown */
 
 #define DGBGLI_MISSING "missing entry point"
@@ -4197,6 +4500,7 @@ static void dgbgli_read_caps(dgbgl_backend* b) {
     b->indexed_buffers = b->gl.ColorMaski != NULL;
     b->indexed_viewports = b->gl.ViewportIndexedf != NULL;
     b->images = b->gl.BindImageTexture != NULL;
+    b->query_buffers = dgbgli_offers(b, 440, 0, "GL_ARB_query_buffer_object");
     b->layer_extension = dgbgli_layer_extension(b);
     b->interlock = b->images && b->version >= 450 && dgbgli_has_extension(b, "GL_ARB_fragment_shader_interlock");
     caps->max_size = dgbgli_get(b, DGBGLI_MAX_TEXTURE_SIZE);
@@ -4266,13 +4570,26 @@ static dgb_result dgbgli_create_objects(dgbgl_backend* b) {
     return result;
 }
 
-/* What of the desc or of the context is of no use, or null; *result says how. */
-static const char* dgbgli_fault(const dgbgl_backend* b, dgb_result* result) {
-    *result = DGB_UNSUPPORTED;
-    if (b->version < (b->es ? 300 : 330) ||
-        (b->es && b->version < 320 && !dgbgli_has_extension(b, "GL_EXT_color_buffer_float")))
-        return "the context is not OpenGL 3.3, nor OpenGL ES 3.0 with EXT_color_buffer_float";
-    *result = DGB_INVALID;
+static bool dgbgli_is_supported(const dgbgl_backend* b) {
+    if (!b->es) return b->version >= 330;
+    return b->version >= 320 || (b->version >= 300 && dgbgli_has_extension(b, "GL_EXT_color_buffer_float"));
+}
+
+static void dgbgli_refuse_version(const dgbgl_backend* b) {
+    char sentence[160];
+    dgbgli_text t = dgbgli_text_on(sentence, sizeof sentence);
+    dgbgli_put(&t, "this is OpenGL ");
+    if (b->es) dgbgli_put(&t, "ES ");
+    dgbgli_put_int(&t, b->version / 100);
+    dgbgli_put(&t, ".");
+    dgbgli_put_int(&t, b->version / 10 % 10);
+    dgbgli_put(
+        &t, "; needs OpenGL 3.3, or OpenGL ES 3.0 with EXT_color_buffer_float: ask for it when creating the context");
+    dgbgli_message(b, "unsupported context", sentence);
+}
+
+/* Null, or what is wrong with the desc in this context. */
+static const char* dgbgli_fault(const dgbgl_backend* b) {
     if (b->desc.oracle_unit < 0 || b->desc.oracle_unit >= dgbgli_get(b, DGBGLI_MAX_COMBINED_TEXTURE_IMAGE_UNITS))
         return "oracle_unit is no texture unit of this context";
     if (b->desc.uniform_binding < 0 || b->desc.uniform_binding >= dgbgli_get(b, DGBGLI_MAX_UNIFORM_BUFFER_BINDINGS))
@@ -4287,10 +4604,14 @@ static dgb_result dgbgli_start(dgbgl_backend* b) {
     dgb_result result;
     b->es = version && strncmp(version, "OpenGL ES", 9) == 0;
     b->version = dgbgli_get(b, DGBGLI_MAJOR_VERSION) * 100 + dgbgli_get(b, DGBGLI_MINOR_VERSION) * 10;
-    fault = dgbgli_fault(b, &result);
+    if (!dgbgli_is_supported(b)) {
+        dgbgli_refuse_version(b);
+        return DGB_UNSUPPORTED;
+    }
+    fault = dgbgli_fault(b);
     if (fault) {
         dgbgli_message(b, "dgbgl_init", fault);
-        return result;
+        return DGB_INVALID;
     }
     if (!dgbgli_settle_optional(b)) return DGB_DEVICE;
     if (b->desc.no_timers) b->gl.QueryCounter = NULL;
@@ -4322,6 +4643,7 @@ DGB_API void dgbgl_shutdown(dgbgl_backend* gl) {
     for (i = 0; i < DGBGL_MAX_FRAMEBUFFERS; ++i) dgbgli_drop_framebuffer(gl, i);
     for (i = 0; i < DGB_PASS_COUNT; ++i)
         if (gl->timers[i].queries[0][0]) gl->gl.DeleteQueries(4, gl->timers[i].queries[0]);
+    if (gl->view_program) gl->gl.DeleteProgram(gl->view_program);
     gl->gl.DeleteVertexArrays(1, &gl->vertex_array);
     gl->gl.DeleteBuffers(1, &gl->uniform_buffer);
     gl->gl.DeleteSamplers(1, &gl->sampler);

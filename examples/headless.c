@@ -80,7 +80,12 @@ static bool give_up(headless* h, char* error, size_t error_size, const char* wha
 bool headless_create(headless* h, int major, int minor, bool gles, bool debug, char* error, size_t error_size) {
     h->context = EGL_NO_CONTEXT;
     h->display = open_display();
-    if (h->display == EGL_NO_DISPLAY) { return give_up(h, error, error_size, "no EGL display can be opened"); }
+    if (h->display == EGL_NO_DISPLAY) {
+        return give_up(
+            h, error, error_size,
+            "no EGL display can be opened: a driver is missing. Without a GPU Mesa's software rasteriser will do "
+            "(Debian, Ubuntu: libegl-mesa0 libgl1-mesa-dri)");
+    }
     if (!has_extension(h->display, "EGL_KHR_surfaceless_context")) {
         return give_up(h, error, error_size, "EGL_KHR_surfaceless_context is missing");
     }
@@ -89,7 +94,9 @@ bool headless_create(headless* h, int major, int minor, bool gles, bool debug, c
     }
     h->context = open_context(h->display, major, minor, gles, debug);
     if (h->context == EGL_NO_CONTEXT) {
-        return give_up(h, error, error_size, "no context of this OpenGL version can be created");
+        return give_up(h, error, error_size,
+                       "no context of this OpenGL version can be created: a newer driver, or LIBGL_ALWAYS_SOFTWARE=1, "
+                       "may offer it");
     }
     if (!headless_make_current(h)) { return give_up(h, error, error_size, "the context cannot be made current"); }
     return true;

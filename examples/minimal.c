@@ -56,6 +56,8 @@ static void on_log(void* user, dgb_result result, dgb_log_item item, const char*
     (void)user, (void)result, (void)item, fail(sentence);
 }
 
+static void on_message(void* user, const char* text) { (void)user, fail(text); } /* dgb */
+
 static void add_shader(GLuint program, GLenum stage, const char* prefix, const char* text) {
     const char* const pieces[] = {prefix, text};
     const GLuint shader = glCreateShader(stage);
@@ -104,11 +106,11 @@ int main(int argc, char** argv) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3), glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE), glfwWindowHint(GLFW_RESIZABLE, GLFW_FALSE);
     GLFWwindow* window = glfwCreateWindow(960, 540, "deepgbuffer", NULL, NULL);
-    if (!window) fail("no window with OpenGL 3.3");
+    if (!window) fail("no window with OpenGL 3.3: is there a display (xvfb-run -a gives one), and a driver of today?");
     glfwMakeContextCurrent(window);
 
-    dgbgl_desc gl_desc = {.get_proc = (dgbgl_get_proc_fn)glfwGetProcAddress}; /* dgb, to the blank line */
-    if (dgbgl_init(&gl, &gl_desc) != DGB_OK) fail("this OpenGL will not do");
+    dgbgl_desc gl_desc = {.get_proc = (dgbgl_get_proc_fn)glfwGetProcAddress, .message = on_message};
+    dgbgl_init(&gl, &gl_desc); /* dgb, to the blank line */
     dgb_desc desc = {.backend = &gl.backend, .log = on_log, .effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY};
     glfwGetFramebufferSize(window, &desc.width, &desc.height);
     desc.guard_band = 64; /* pixels around the image: what stands there gives light, too */

@@ -170,7 +170,7 @@ private:
     void write_grid(const char* name, const std::vector<LabelledPicture>& pictures, int columns) const;
     void write_picture(const char* name, const Rgb& rgb) const;
     void write_pictures(const Rgb& final_rgb);
-    void write_pair(const char* name, Picture picture) const;
+    void write_pair(const char* name, const Rgb& one, const Rgb& two) const;
     void write_fallback();
     dgb_params many_taps(dgb_params params) const;
     void write_second_alone();
@@ -306,8 +306,11 @@ void Run::write_pictures(const Rgb& final_rgb) {
     write_picture("indirect", tone_mapped(renderer_->read_picture(Picture::indirect)));
     write_picture("layer0", albedo(*renderer_, 0));
     write_picture("layer1", albedo(with_two(), 1));
-    write_pair("one_vs_two", Picture::final);
-    write_pair("indirect_one_vs_two", Picture::indirect);
+    write_pair("one_vs_two", tone_mapped(with_one().read_picture(Picture::final)),
+               tone_mapped(with_two().read_picture(Picture::final)));
+    write_pair("indirect_one_vs_two", tone_mapped(with_one().read_picture(Picture::indirect)),
+               tone_mapped(with_two().read_picture(Picture::indirect)));
+    if (has(DGB_EFFECT_AO)) { write_pair("visibility_one_vs_two", visibility(with_one()), visibility(with_two())); }
 
     if (!has(DGB_EFFECT_RADIOSITY)) { return; }
     write_picture("confidence", confidence_view(*renderer_, width, height));
@@ -322,12 +325,8 @@ void Run::write_pictures(const Rgb& final_rgb) {
     write_second_alone();
 }
 
-// The picture with one layer beside that with two.
-void Run::write_pair(const char* name, Picture picture) const {
-    write_grid(name,
-               {{tone_mapped(with_one().read_picture(picture)), "one layer"},
-                {tone_mapped(with_two().read_picture(picture)), "two layers"}},
-               2);
+void Run::write_pair(const char* name, const Rgb& one, const Rgb& two) const {
+    write_grid(name, {{one, "one layer"}, {two, "two layers"}}, 2);
 }
 
 // Paper, Figure 9: what confidence makes of the probe's light and of the gathered light, and what it is better than.

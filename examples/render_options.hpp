@@ -349,13 +349,14 @@ inline void add_scene(CLI::App* app, Options* o) {
 }
 
 inline void add_outputs(CLI::App* app, Options* o) {
-    app->add_option(
-        "--out", o->out,
-        "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
-        "layer0, layer1 (albedo), one_vs_two, indirect_one_vs_two (layers). With gi also confidence (and its "
-        "histogram), fallback (the probe's light, the gathered light, both blended by confidence, their "
-        "average) and second_alone (both layers, the first only, the second only). With ao and gi also "
-        "disocclusion (what last frame did not have in its first layer, or in neither)");
+    app->add_option("--out", o->out,
+                    "directory for PNG pictures, made if it is not there: final, direct, indirect, ambient_visibility, "
+                    "layer0, layer1 (albedo), one_vs_two, indirect_one_vs_two (layers). With ao also "
+                    "visibility_one_vs_two. With gi "
+                    "also confidence (and its histogram), fallback (the probe's light, the gathered light, both "
+                    "blended by confidence, their "
+                    "average) and second_alone (both layers, the first only, the second only). With ao and gi also "
+                    "disocclusion (what last frame did not have in its first layer, or in neither)");
     app->add_option_function<Words>(
            "--dump",
            [=](const Words& dumps) {

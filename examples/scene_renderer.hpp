@@ -97,13 +97,14 @@ public:
     // All pictures are of the last frame, without guard band, bottom row first.
     enum class Picture { final, direct, indirect }; // linear RGB; direct holds emission and the sky's pixels
     std::vector<float> read_picture(Picture picture) const;
-    // The same for a shader: the picture; a texture of the library, guard band included; the camera of the layers. The next
-    // frame or its shading may take another texture.
+    // The same for a shader: the picture; a texture of the library, guard band included. The next frame or its shading may
+    // take another texture.
     GLuint picture(Picture picture) const { return pictures_[int(picture)].name(); }
     GLuint texture(dgb_slot slot) const;
     bool has(dgb_slot slot) const { return dgb_get_texture(&library_.context, slot).id != 0; }
-    const dgb_camera& camera() const { return library_.context.camera; }
     int divisor(int layer) const { return layer > 0 ? std::max(desc_.layers.divisor, 1) : 1; } // of its resolution
+    // Into the framebuffer that is bound; false where the renderer does not have it.
+    bool draw_view(const dgbgl_view_desc& view) const { return dgbgl_draw_view(&library_.context, &view) == DGB_OK; }
 
     // format: GL_RED, GL_RGB or GL_RGBA. layer is 0 for textures without layers. A layer of lower resolution is enlarged.
     std::vector<float> read_texture(dgb_slot slot, int layer, GLenum format) const;

@@ -133,7 +133,6 @@ private:
 
     ViewerOptions options_;
     Window window_; // before everything that lives in its context
-    ViewPainter painter_;
     std::unique_ptr<Stage> stage_;
     Sky sky_;
     Probe probe_{};
@@ -427,8 +426,8 @@ void Viewer::paint_half(size_t side) {
     const Area window = {0, 0, size_.x, size_.y};
     const Area visible = side == 0 ? Area{0, 0, column, size_.y} : Area{column, 0, size_.x - column, size_.y};
     PanelSide& shown = panel_.sides[side];
-    shown.shows_view = painter_.paint(*halves_[side].renderer, shown.config.view, window, visible, panel_.exposure,
-                                      0.5f * stage_->diagonal(), shown.config.params.history_weight);
+    shown.shows_view = paint_view(*halves_[side].renderer, shown.config.view, window, visible, panel_.exposure,
+                                  0.5f * stage_->diagonal());
 }
 
 void Viewer::draw(const SceneFrame& frame) {

@@ -10,7 +10,7 @@ enum class View {
     final,
     direct,
     indirect,
-    depth, // from here to validity: of one layer
+    depth, // from here on those of the library, in its order; to validity: of one layer
     normal,
     albedo,
     radiance,
@@ -42,17 +42,7 @@ struct Area { // of the window's framebuffer, pixels, from the lower left
     int x = 0, y = 0, width = 0, height = 0;
 };
 
-class ViewPainter {
-public:
-    ViewPainter();
-
-    // Fills the window, but for what lies outside of `visible`. exposure: powers of two. depth_range: where views of depth
-    // have fallen to an eighth, metres. history_weight: that of the frame. Returns whether the renderer has what the view
-    // shows; if not, all is dark grey.
-    bool paint(const SceneRenderer& renderer, ViewChoice choice, Area window, Area visible, float exposure,
-               float depth_range, float history_weight) const;
-
-private:
-    GlObject program_, no_vertices_;
-    GlObject no_image_, no_array_; // a sampler must not be without a texture
-};
+// Fills the window, but for what lies outside of `visible`. exposure: powers of two. depth_range: where views of depth have
+// fallen to an eighth, metres. Returns whether the renderer has what the view shows; if not, all is dark grey.
+bool paint_view(const SceneRenderer& renderer, ViewChoice choice, Area window, Area visible, float exposure,
+                float depth_range);

@@ -72,7 +72,10 @@ Window::Window(int width, int height, const char* title) {
 void Window::open(int width, int height, const char* title) {
     window_ = open_context(width, height, title, 4, 5);
     if (window_ == nullptr) { window_ = open_context(width, height, title, 3, 3); }
-    if (window_ == nullptr) { throw std::runtime_error("no window with OpenGL 3.3: " + reason()); }
+    if (window_ == nullptr) {
+        throw std::runtime_error("no window with OpenGL 3.3 (" + reason() +
+                                 "); a newer driver, or LIBGL_ALWAYS_SOFTWARE=1, may offer it");
+    }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwSetWindowUserPointer(window_, &events_);

@@ -46,6 +46,9 @@ float dgb_storable(float x) { return x > 0.0 ? (x < DGB_MAX_RADIANCE ? x : DGB_M
 
 vec3 dgb_storable(vec3 v) { return vec3(dgb_storable(v.x), dgb_storable(v.y), dgb_storable(v.z)); }
 
+// The same for parts of directions and shares: what is beyond -1..1, or NaN, becomes 0.
+vec4 dgb_storable_unit(vec4 v) { return mix(vec4(0.0), v, lessThanEqual(abs(v), vec4(1.0))); }
+
 // The nearest value >= 0 that a small float of so many mantissa bits holds. Implementations round or truncate what they store;
 // truncated bounce after bounce, light loses a tenth, and its blue a fifth.
 float dgb_nearest(float x, int bits) {

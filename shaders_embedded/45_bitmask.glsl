@@ -219,7 +219,8 @@ vec4 dgb_irradiance(vec4 look) { return vec4(look.a > 0.0 ? dgb_storable(DGB_PI 
 // 2/3 of the normal: where nothing is, there is no noise.
 vec4 dgb_bent(dgb_receiver r, vec4 look) {
     vec3 bent = 2.0 / 3.0 * r.n - look.rgb;
-    return vec4(bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz, 1.0 - look.a);
+    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;
+    return dgb_storable_unit(vec4(world, 1.0 - look.a)); // too near to the eye, there is no direction to it
 }
 #endif
 

@@ -66,8 +66,7 @@ void dgb_add_history(inout dgb_history h, ivec2 texel, int shown, float weight) 
     h.visibility += weight * (frames.x < 1.0 ? dgb_storable(frames.x) : 1.0);
     h.visibility_frames += weight * dgb_storable(frames.y);
 #if DGB_BENT
-    vec4 bent = texelFetch(dgb_last_bent, texel, 0);
-    h.bent += weight * mix(vec4(0.0), bent, lessThanEqual(abs(bent), vec4(1.0))); // nothing that is not finite gets through
+    h.bent += weight * dgb_storable_unit(texelFetch(dgb_last_bent, texel, 0));
 #endif
 }
 

@@ -13,7 +13,7 @@ static dgbgl_backend gl;
 static dgb_context dgb;
 
 static bool create_ao(int width, int height) {
-    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc};
+    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc, .message = engine_on_message};
     dgb_desc desc = {.width = width, .height = height, .layers = 1, .backend = &gl.backend};
     desc.source = DGB_SOURCE_ENGINE; /* and normals derived from depth: the default */
     desc.effects = DGB_EFFECT_AO;

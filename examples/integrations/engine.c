@@ -44,6 +44,11 @@ void engine_fail(const char* sentence) {
     exit(2);
 }
 
+void engine_on_message(void* user, const char* sentence) {
+    (void)user;
+    engine_fail(sentence);
+}
+
 static GLuint make_texture(GLint internal_format, GLenum format, GLenum type) {
     GLuint texture;
     glGenTextures(1, &texture);

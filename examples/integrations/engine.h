@@ -18,6 +18,7 @@ extern const float engine_boxes[ENGINE_BOXES][6]; /* low corner, high corner, me
 
 /* Prints the sentence and ends the program with status 2. */
 void engine_fail(const char* sentence);
+void engine_on_message(void* user, const char* sentence); /* the same, to be called back */
 
 /* A context without a window, and a framebuffer of the picture's size, bound. */
 void engine_start(bool es);

@@ -34,7 +34,7 @@ static const char* const box_fragment = "in vec3 v_normal;\n"
 
 static GLuint create_layers(int layers) { /* returns the program of the boxes, 0 when it fails */
     static char vertex_head[1 << 16], fragment_head[1 << 16];
-    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc};
+    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc, .message = engine_on_message};
     dgb_desc desc = {.width = ENGINE_WIDTH, .height = ENGINE_HEIGHT, .effects = DGB_EFFECT_AO};
     GLuint program;
     desc.layers = layers, desc.targets = DGB_TARGET_NORMAL, desc.backend = &gl.backend;

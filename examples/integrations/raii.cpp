@@ -5,6 +5,7 @@
 #include "engine.h"
 
 #include <cstdio>
+#include <type_traits>
 #include <utility>
 
 /* >> deepgbuffer */
@@ -62,10 +63,10 @@ private:
 
 namespace {
 
-static_assert(!std::is_copy_constructible<DeepGBuffer>::value && !std::is_copy_assignable<DeepGBuffer>::value, "");
-static_assert(std::is_nothrow_move_constructible<DeepGBuffer>::value &&
-                  std::is_nothrow_move_assignable<DeepGBuffer>::value,
-              "");
+static_assert(!std::is_copy_constructible_v<DeepGBuffer>);
+static_assert(!std::is_copy_assignable_v<DeepGBuffer>);
+static_assert(std::is_nothrow_move_constructible_v<DeepGBuffer>);
+static_assert(std::is_nothrow_move_assignable_v<DeepGBuffer>);
 
 dgb_desc occlusion(int width, int height) {
     dgb_desc desc{};

@@ -167,7 +167,7 @@ static void composite(const engine* e, GLuint albedo, GLuint radiance, GLuint ao
 
 /* >> deepgbuffer */
 static void create_layers(int layers) {
-    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc};
+    const dgbgl_desc gl_desc = {.get_proc = engine_get_proc, .message = engine_on_message};
     dgb_desc desc = {.width = ENGINE_WIDTH, .height = ENGINE_HEIGHT, .guard_band = GUARD_BAND, .layers = layers};
     desc.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
     desc.backend = &gl.backend;

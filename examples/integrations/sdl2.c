@@ -16,7 +16,7 @@ static dgb_context dgb;
 
 /* After SDL_GL_CreateContext: the addresses are those of the current context. */
 static bool create_ao(SDL_Window* window) {
-    const dgbgl_desc gl_desc = {.get_proc = SDL_GL_GetProcAddress};
+    const dgbgl_desc gl_desc = {.get_proc = SDL_GL_GetProcAddress, .message = engine_on_message};
     dgb_desc desc = {.layers = 1, .effects = DGB_EFFECT_AO, .source = DGB_SOURCE_ENGINE, .backend = &gl.backend};
     SDL_GL_GetDrawableSize(window, &desc.width, &desc.height); /* pixels; SDL_GetWindowSize may count points */
     return dgbgl_init(&gl, &gl_desc) == DGB_OK && dgb_init(&dgb, &desc) == DGB_OK;

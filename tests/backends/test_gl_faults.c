@@ -16,9 +16,10 @@
 
 #include <epoxy/gl.h> /* for its values: nothing of it is called */
 
-#define ALL_EFFECTS                                                                                         \
+#define PAPER_EFFECTS                                                                                       \
     (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | \
      DGB_EFFECT_GLOSSY)
+#define ALL_EFFECTS (PAPER_EFFECTS | DGB_EFFECT_BENT) /* with BITMASK */
 
 /* Of long loops, every so manieth turn, a prime so that all kinds of turns come; with DGB_FULL=1 (make test-full) each. */
 static int stride(void) { return getenv("DGB_FULL") ? 1 : 11; }
@@ -46,17 +47,20 @@ enum { CONTEXTS = (int)(sizeof contexts / sizeof contexts[0]) };
 
 /* >> an engine on the stub: its calls go past the faults */
 
+enum { LAYERS = 12 }; /* textures of an engine's own layers */
+
 static dgbgl_functions own; /* entry points */
 
 static struct engine {
     const struct context* context;
-    GLuint vertex_array, textures[11];
+    GLuint vertex_array, textures[LAYERS];
     size_t state_size;
     void* state;
     GLuint program;
     int draws;
     int start;      /* GL calls before the session */
     int last_shade; /* of those in it, before the last dgb_shade */
+    int asked;      /* of GL, before this call of the library */
 } engine;
 
 static GLuint compile(GLenum stage, const char* prefix) {
@@ -84,7 +88,9 @@ static unsigned int make_program(void* user, const dgb_context* c) {
     assert_true(dgbgl_shader_prefix(c, DGBGL_FRAGMENT, NULL, 0, prefix, sizeof prefix) > 0);
     attach(program, compile(GL_FRAGMENT_SHADER, prefix));
     own.LinkProgram(program);
-    if (dgbgl_attach_program(c, program) == DGB_OK) return engine.program = program;
+    engine.program = dgbgl_attach_program(c, program) == DGB_OK ? program : 0;
+    engine.asked = gl_stub_gets();
+    if (engine.program) return program;
     own.DeleteProgram(program);
     return 0;
 }
@@ -129,7 +135,7 @@ static void load_own(void) {
 }
 
 static dgb_layers make_layers(void) {
-    dgb_texture* where[11];
+    dgb_texture* where[LAYERS];
     dgb_layers layers;
     int i;
     memset(&layers, 0, sizeof layers);
@@ -141,10 +147,11 @@ static dgb_layers make_layers(void) {
         where[8 + i] = &layers.velocity[i];
     }
     where[10] = &layers.roughness;
-    own.GenTextures(11, engine.textures);
-    for (i = 0; i < 11; ++i) {
+    where[11] = &layers.back;
+    own.GenTextures(LAYERS, engine.textures);
+    for (i = 0; i < LAYERS; ++i) {
         own.BindTexture(GL_TEXTURE_2D, engine.textures[i]);
-        if (i < 2)
+        if (i < 2 || i == 11)
             own.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, 96, 64, 0, GL_DEPTH_COMPONENT, GL_FLOAT, NULL);
         else
             own.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, 96, 64, 0, GL_RGBA, GL_FLOAT, NULL);
@@ -183,6 +190,7 @@ typedef struct setup {
     int layers, divisor;
     dgb_estimator estimator;
     dgb_tracer tracer;
+    dgb_thickness thickness;
 } setup;
 
 static gl_session session_of(const setup* u, const dgb_layers* layers) {
@@ -200,6 +208,7 @@ static gl_session session_of(const setup* u, const dgb_layers* layers) {
     s.desc.divisor = u->divisor;
     s.desc.estimator = u->estimator;
     s.desc.tracer = u->tracer;
+    s.desc.thickness = u->thickness;
     s.make_program = u->source == DGB_SOURCE_BUILD ? make_program : NULL;
     s.delete_program = u->source == DGB_SOURCE_BUILD ? delete_program : NULL;
     s.draw = draw;
@@ -286,14 +295,15 @@ static void test_every_effect(void** state) {
     unsigned kind;
     (void)state;
     for (i = 0; i < CONTEXTS; ++i)
-        for (kind = (unsigned)i; kind < 64u * 8u; kind += (unsigned)stride()) {
+        for (kind = (unsigned)i; kind < 128u * 16u; kind += (unsigned)stride()) {
             setup u;
             memset(&u, 0, sizeof u);
-            u.effects = kind % 64u;
-            u.source = kind & 64u ? DGB_SOURCE_ENGINE : DGB_SOURCE_BUILD;
-            u.estimator = kind & 128u ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
+            u.effects = kind % 128u;
+            u.source = kind & 128u ? DGB_SOURCE_ENGINE : DGB_SOURCE_BUILD;
+            u.estimator = kind & 256u ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
             u.tracer = u.estimator == DGB_ESTIMATOR_BITMASK ? DGB_TRACER_LINEAR : DGB_TRACER_HIERARCHICAL;
-            u.layers = kind & 256u ? 1 : 2;
+            u.layers = kind & 512u ? 1 : 2;
+            u.thickness = kind & 1024u ? DGB_THICKNESS_BACK_FACES : DGB_THICKNESS_LAYERS;
             if (!is_offered(&contexts[i], &u)) continue;
             check_well(&contexts[i], &u);
             ++count;
@@ -310,12 +320,17 @@ static const struct trial {
     setup u;
 } trials[] = {
     {0,
-     {DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY, DGB_SOURCE_BUILD, DGB_ORACLE_PREDICT, DGB_EMISSION_GEOMETRY, 3, 1, 0, 0}},
-    {1, {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_WARP, DGB_EMISSION_SEPARATE, 2, 2, 0, DGB_TRACER_HIERARCHICAL}},
-    {5, {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO, 2, 1, DGB_ESTIMATOR_BITMASK, 0}},
-    {6, {DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_SOURCE_BUILD, DGB_ORACLE_PEEL, DGB_EMISSION_AUTO, 2, 1, 0, 0}},
-    {4, {ALL_EFFECTS, DGB_SOURCE_ENGINE, 0, 0, 2, 1, 0, 0}}};
+     {DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY, DGB_SOURCE_BUILD, DGB_ORACLE_PREDICT, DGB_EMISSION_GEOMETRY, 3, 1, 0, 0,
+      0}},
+    {1, {PAPER_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_WARP, DGB_EMISSION_SEPARATE, 2, 2, 0, DGB_TRACER_HIERARCHICAL, 0}},
+    {5,
+     {ALL_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_REPROJECT, DGB_EMISSION_AUTO, 2, 1, DGB_ESTIMATOR_BITMASK, 0,
+      DGB_THICKNESS_BACK_FACES}},
+    {6, {DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_SOURCE_BUILD, DGB_ORACLE_PEEL, DGB_EMISSION_AUTO, 2, 1, 0, 0, 0}},
+    {4, {ALL_EFFECTS, DGB_SOURCE_ENGINE, 0, 0, 2, 1, DGB_ESTIMATOR_BITMASK, 0, DGB_THICKNESS_BACK_FACES}}};
 enum { TRIALS = (int)(sizeof trials / sizeof trials[0]) };
+
+enum { INIT_FAULTS = 130 };
 
 /* What a session need not tell of: it goes on without an optional function, without timers. */
 static bool may_go_on(void) { return gl_faults_was_lookup() || strcmp(gl_faults_failed(), "glGenQueries") == 0; }
@@ -337,7 +352,8 @@ static void test_every_fault(void** state) {
     int i, n, count = 0;
     (void)state;
     for (i = 0; i < TRIALS; ++i) {
-        for (n = 1 + i; check_fault(&trials[i], n); n += stride()) ++count;
+        /* dgbgl_init has little more than entry points, and what else it has must not slip through */
+        for (n = 1 + i; check_fault(&trials[i], n); n += i == 2 && n < INIT_FAULTS ? 1 : stride()) ++count;
     }
     printf("# %d faults\n", count);
     assert_true(count > 2000 / stride());
@@ -409,6 +425,76 @@ static void test_contexts_that_will_not_do(void** state) {
     check_refused(fine, 0, 36, DGB_INVALID);
 }
 
+/* >> an engine that keeps track of its state itself */
+
+static void check_gets(void* user, const char* call) {
+    const bool frame = strcmp(call, "dgb_build") == 0 || strcmp(call, "dgb_shade") == 0;
+    (void)user;
+    if (frame && gl_stub_gets() != engine.asked)
+        fail_msg("%s, %s: %d questions to GL", engine.context->name, call, gl_stub_gets() - engine.asked);
+    engine.asked = gl_stub_gets();
+}
+
+/* With keep_state no frame asks GL for anything. */
+static void test_nothing_is_asked(void** state) {
+    int i;
+    (void)state;
+    for (i = 0; i < CONTEXTS; ++i) {
+        const setup u = {PAPER_EFFECTS, DGB_SOURCE_BUILD, DGB_ORACLE_DEFAULT, DGB_EMISSION_AUTO, 2, 1, 0, 0, 0};
+        gl_session s = session_of(&u, NULL);
+        start(&contexts[i]);
+        gl_stub_scramble();
+        s.gl.get_proc = gl_stub_get_proc;
+        s.gl.keep_state = s.gl.no_timers = true;
+        s.after = check_gets;
+        gl_session_run(&s);
+        assert_int_equal(s.failures, 0);
+        stop();
+    }
+}
+
+/* >> errors of the engine's */
+
+static void draw_badly(void* user, const dgb_draw* d) {
+    draw(user, d);
+    own.DepthFunc(0); /* GL_INVALID_ENUM */
+}
+
+/* What was pending and what the callback leaves is told of, and no failure of the library's. */
+static void test_errors_of_the_engine(void** state) {
+    static const float projection[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002f, -1, 0, 0, -0.2002f, 0};
+    const dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
+    const setup u = {DGB_EFFECT_AO, DGB_SOURCE_BUILD, DGB_ORACLE_DEFAULT, DGB_EMISSION_SEPARATE, 2, 1, 0, 0, 0};
+    dgbgl_desc gd;
+    dgbgl_backend gl;
+    dgb_desc d = session_of(&u, NULL).desc;
+    dgb_context k;
+    dgb_view view;
+    (void)state;
+    start(&contexts[4]);
+    memset(&gd, 0, sizeof gd);
+    memset(&view, 0, sizeof view);
+    memcpy(view.projection, projection, sizeof projection);
+    view.view[0] = view.view[5] = view.view[10] = view.view[15] = 1.0f;
+    gd.get_proc = gl_stub_get_proc;
+    gd.message = count_message;
+    assert_int_equal(dgbgl_init(&gl, &gd), DGB_OK);
+    d.backend = &gl.backend;
+    assert_int_equal(dgb_init(&k, &d), DGB_OK);
+    assert_true(make_program(NULL, &k) != 0);
+    messages = 0;
+    assert_int_equal(dgb_build(&k, &view, &q, draw_badly, NULL), DGB_OK);
+    assert_int_equal(messages, 2); /* layers */
+    own.DepthFunc(0);
+    assert_int_equal(dgb_shade(&k, &q), DGB_OK);
+    assert_int_equal(messages, 3);
+    assert_int_equal(own.GetError(), GL_NO_ERROR);
+    own.DeleteProgram(engine.program);
+    dgb_shutdown(&k);
+    dgbgl_shutdown(&gl);
+    stop();
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_construction),
@@ -416,6 +502,8 @@ int main(void) {
         cmocka_unit_test(test_every_fault),
         cmocka_unit_test(test_lost_context),
         cmocka_unit_test(test_contexts_that_will_not_do),
+        cmocka_unit_test(test_nothing_is_asked),
+        cmocka_unit_test(test_errors_of_the_engine),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1423,10 +1423,10 @@ static void check_shaded_rect(int guard, float fraction, int inset) {
         fail_msg("guard %d, fraction %g: %d %d %d %d", guard, (double)fraction, u->rect[0], u->rect[1], u->rect[2],
                  u->rect[3]);
     /* the last pass to begin was the second axis of the same rectangle */
-    if (f.r.pass.x != inset || f.r.pass.y != inset || f.r.pass.width != 64 + 2 * (guard - inset) ||
-        f.r.pass.height != 48 + 2 * (guard - inset))
-        fail_msg("guard %d, fraction %g: viewport %d %d %d %d", guard, (double)fraction, f.r.pass.x, f.r.pass.y,
-                 f.r.pass.width, f.r.pass.height);
+    if (f.r.pass.x != inset || f.r.pass.y != inset || f.r.pass.width != (float)(64 + 2 * (guard - inset)) ||
+        f.r.pass.height != (float)(48 + 2 * (guard - inset)))
+        fail_msg("guard %d, fraction %g: viewport %d %d %g %g", guard, (double)fraction, f.r.pass.x, f.r.pass.y,
+                 (double)f.r.pass.width, (double)f.r.pass.height);
     stop(&f);
 }
 

@@ -47,6 +47,40 @@ compile_with clang >"$dir/clang.tap" &
 wait
 cat "$dir/gcc.tap" "$dir/clang.tap" | tee "$dir/all.tap"
 
+# >> the same numbers, whatever compiles them
+
+# Results of the mathematics; all: every function's, integers: of those that compute in integers.
+hashes() { build "$@" -std=c99 $strict -Itests/support -ffp-contract=off $here/bits.c >"$out.hashes"; }
+hashes_like_the_first() {
+    kind=$1
+    shift
+    # shellcheck disable=SC2086 # $strict is a list of words
+    hashes "$@" || return
+    if [ "$kind" = integers ]; then sed -i '/^integers/!d' "$out.hashes"; fi
+    if [ ! -e "$dir/first.hashes" ]; then cp "$out.hashes" "$dir/first.hashes"; fi
+    if [ "$kind" = all ]; then diff "$dir/first.hashes" "$out.hashes"; return; fi
+    grep '^integers' "$dir/first.hashes" | diff - "$out.hashes" && [ -s "$out.hashes" ]
+}
+
+for cc in gcc clang; do
+    out=$dir/bits
+    if ! command -v "$cc" >/dev/null; then continue; fi # compile_with has said so
+    for level in -O0 -O2 -O3; do attempt "$cc $level gives the same bits" hashes_like_the_first all "$cc" "$level"; done
+    attempt "$cc -ffast-math gives the same integers" hashes_like_the_first integers "$cc" -O2 -ffast-math
+done | tee -a "$dir/all.tap"
+
+# >> one list of the mathematics: what is declared, guaranteed and called with any bits
+
+declared() { sed -n '/--- mathematics/,/--- parameters of a frame/s/^DGB_API .*\(dgb_[a-z0-9_]*\)(.*/\1/p' deepgbuffer.h; }
+guaranteed() { sed -n '/NUMERICAL GUARANTEES/,/THREADS/s/^ *\(dgb_[a-z0-9_]*\) .*/\1/p' deepgbuffer.h; }
+called() { sed -n 's/^ *{"\(dgb_[a-z0-9_]*\)".*/\1/p' tests/support/mathematics.c | uniq; }
+one_list() {
+    declared >"$dir/declared" && guaranteed >"$dir/guaranteed" && called >"$dir/called"
+    [ -s "$dir/declared" ] && diff "$dir/declared" "$dir/guaranteed" && diff "$dir/declared" "$dir/called"
+}
+out=$dir/list
+attempt "the mathematics is declared, guaranteed and tested in one order" one_list | tee -a "$dir/all.tap"
+
 # >> what the libraries bring into a program
 
 # Fails when a line of the input does not match the pattern, and shows those lines.

@@ -87,7 +87,42 @@ while read -r command; do
     check "$command" accepts $command </dev/null
 done <"$dir/commands"
 
+# >> pictures: those that are there, those that are shown and those that examples/pictures/make.sh makes are the same, and the
+# captions give its commands
+
+one_line() { tr -s '\n' ' ' <"$1"; }
+pictures_agree() { # README LIST
+    find examples/pictures -name '*.png' | sed 's|.*/\(.*\)\.png|\1|' | sort >"$dir/there"
+    grep -o 'examples/pictures/[a-z0-9_]*\.png' "$1" | sed 's|.*/\(.*\)\.png|\1|' | sort -u >"$dir/shown"
+    cut -d ' ' -f 1 "$2" | sort >"$dir/made"
+    diff "$dir/there" "$dir/shown" && diff "$dir/there" "$dir/made"
+}
+captions_agree() { # README LIST
+    cut -d ' ' -f 3- "$2" | sed 's/ + /\n/' | sort -u | while read -r part; do
+        one_line "$1" | grep -qF -e "\`$part\`" || { echo "no caption says $part"; exit 1; }
+    done
+}
+examples/pictures/make.sh --list >"$dir/list"
+check "every picture is shown and made" pictures_agree README.md "$dir/list"
+check "captions say how"                captions_agree README.md "$dir/list"
+
+mkdir "$dir/pictures"
+makes_one() {
+    PICTURES=$dir/pictures examples/pictures/make.sh border_without && [ "$(ls "$dir/pictures")" = border_without.png ]
+}
+skips_scenes() {
+    SCENE_DIR=$dir PICTURES=$dir/pictures examples/pictures/make.sh sponza_layer0 | grep 'skipped: there is no sponza.glb' &&
+        [ ! -e "$dir/pictures/sponza_layer0.png" ]
+}
+check "one picture is made"             makes_one
+check "without its scene, none"         skips_scenes
+
 # The check itself can fail.
+grep -v halos "$dir/list" >"$dir/fewer"
+sed 's/--guard 0$/--guard 1/' "$dir/list" >"$dir/other"
+disagrees() { ! "$@"; }
+check "a picture that is not made is found" disagrees pictures_agree README.md "$dir/fewer"
+check "a caption of another is found"       disagrees captions_agree README.md "$dir/other"
 check "a wrong target is found"   refuses_wrong make demolish
 check "a wrong variable is found" refuses_wrong make bench SCENERY=x
 check "a wrong option is found"   refuses_wrong build/release/render --out DIR --sizes 1x1

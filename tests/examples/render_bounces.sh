@@ -239,7 +239,7 @@ png_size_is() { # FILE WIDTH HEIGHT, each below 65536
     echo "$1 $sides"
     [ "$sides" = "$2 $3" ]
 }
-about_light='confidence fallback second_alone disocclusion bounces'
+about_light='confidence fallback second_alone disocclusion bounces visibility_one_vs_two'
 # exactly NAME...: of the pictures above, those are in out and no others
 exactly() {
     for name in $about_light; do
@@ -251,7 +251,7 @@ exactly() {
 }
 into_out() { rm -rf out && atrium --frames "${last:-2}" --out out "$@"; }
 all_effects() {
-    into_out --compare-bounces 1,3,2 && exactly confidence fallback second_alone disocclusion bounces &&
+    into_out --compare-bounces 1,3,2 && exactly confidence fallback second_alone disocclusion bounces visibility_one_vs_two &&
         png_size_is out/confidence.png 160 90 && png_size_is out/fallback.png 640 90 &&
         png_size_is out/second_alone.png 480 180 && png_size_is out/disocclusion.png 160 90 &&
         png_size_is out/bounces.png 480 180
@@ -259,9 +259,13 @@ all_effects() {
 light_alone() {
     into_out --effects gi && exactly confidence fallback second_alone && png_size_is out/second_alone.png 480 90
 }
-occlusion_alone() { into_out --effects ao && exactly; }
+occlusion_alone() {
+    into_out --effects ao && exactly visibility_one_vs_two && png_size_is out/visibility_one_vs_two.png 320 90
+}
 no_effect()       { into_out --effects none && exactly; }
-one_layer()       { into_out --layers 1 && exactly confidence fallback second_alone disocclusion; }
+one_layer() {
+    into_out --layers 1 && exactly confidence fallback second_alone disocclusion visibility_one_vs_two
+}
 tiny()            { size=1x1 into_out --compare-bounces 1 && png_size_is out/bounces.png 1 2; }
 # Pictures must not change what else is written, nor each other.
 same_with_pictures() {

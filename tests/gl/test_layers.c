@@ -674,6 +674,75 @@ static void test_empty_scene(void** state) {
     dgb_shutdown(&c);
 }
 
+/* >> farther away than the depth format tells the separation */
+
+/* Two walls across the view, in place of the fixture's scene; eye: where the camera is, looking down -Z. */
+static void put_walls(const float eye[3], float distance, float apart) {
+    static const float corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
+    float vertices[12][9]; /* position, normal, colour */
+    int i;
+    memset(vertices, 0, sizeof vertices);
+    for (i = 0; i < 12; ++i) {
+        const float d = i < 6 ? distance : distance + apart;
+        vertices[i][0] = eye[0] + 3.0f * d * corners[i % 6][0];
+        vertices[i][1] = eye[1] + 3.0f * d * corners[i % 6][1];
+        vertices[i][2] = eye[2] - d;
+        vertices[i][5] = 1.0f;
+    }
+    glBindBuffer(GL_ARRAY_BUFFER, f.vertices);
+    glBufferData(GL_ARRAY_BUFFER, sizeof vertices, vertices, GL_STATIC_DRAW);
+    glBindBuffer(GL_ARRAY_BUFFER, 0);
+    f.static_count = 12;
+    f.moving_count = 0;
+}
+
+/* Second-layer texels, of which none may be nearer than the separation, let alone in front. */
+static int count_behind(const setup* s) {
+    built b = build_frames(s, 3);
+    int violations, filled, i;
+    count_violations(&b, s->separation, &violations, &filled);
+    assert_int_equal(violations, 0);
+    for (i = 0; i < b.width * b.height; ++i) {
+        assert_true(b.z[0][i] < 0.0f);
+        assert_true(b.z[1][i] == 0.0f || b.z[1][i] < b.z[0][i]);
+    }
+    free_layers(&b);
+    return filled;
+}
+
+/* Walls two separations apart: at half the limit, where depths are a quarter of a separation or less apart, told by every pixel,
+   though rasterisers' depths are off by steps; beyond, wherever depths differ. Leaves the fixture's own scene behind. */
+static void test_separation_limit(void** state) {
+    static const dgb_format formats[] = {DGB_FORMAT_D16, DGB_FORMAT_D24, DGB_FORMAT_D32F};
+    static const float ratios[] = {0.1f, 0.5f, 0.98f, 1.3f, 4.0f, 100.0f};
+    static const dgb_oracle oracles[] = {DGB_ORACLE_PEEL, DGB_ORACLE_REPROJECT, DGB_ORACLE_PREVIOUS};
+    int i;
+    (void)state;
+    for (i = 0; i < 3 * 2 * 6; ++i) {
+        setup s = default_setup(oracles[i % 3], i % 3 == 1 ? DGB_EMISSION_VERTEX : DGB_EMISSION_AUTO);
+        dgb_camera camera;
+        dgb_view view;
+        float limit, ratio = ratios[i / 6];
+        int behind;
+        s.depth_format = formats[i % 3];
+        s.view.eye[0] = s.view.eye[1] = s.view.eye[2] = s.view.yaw = 0.0f;
+        s.view.near_plane = 0.1f;
+        s.view.reversed = i / 3 % 2 != 0;
+        s.view.far_plane = s.view.reversed ? 0.0f : 1e9f;
+        s.view.clip = s.view.reversed ? DGB_CLIP_ZERO_TO_ONE : DGB_CLIP_NEGATIVE_ONE_TO_ONE;
+        view = fixture_dgb_view(&s.view, WIDTH, HEIGHT);
+        assert_int_equal(dgb_camera_from_matrix(view.projection, WIDTH, HEIGHT, s.view.clip, s.view.reversed, &camera),
+                         DGB_OK);
+        limit = dgb_separation_limit(s.separation, s.depth_format, &camera);
+        assert_true(limit > 10.0f && limit < 1e8f);
+        put_walls(s.view.eye, ratio * limit, 2.0f * s.separation);
+        behind = count_behind(&s);
+        if (ratio <= 0.5f) assert_int_equal(behind, (WIDTH + 2 * GUARD) * (HEIGHT + 2 * GUARD));
+    }
+    fixture_close(&f);
+    assert_int_equal(fixture_open(&f, 4, 5, false, NULL), 0);
+}
+
 FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
@@ -699,6 +768,8 @@ int main(void) {
         cmocka_unit_test(test_warp_moving_camera),
         cmocka_unit_test(test_submissions),
         cmocka_unit_test(test_empty_scene),
+        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_separation_limit),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);

@@ -99,6 +99,24 @@ Metrics measure_error(const std::vector<float>& value, const std::vector<float>&
     return m;
 }
 
+double best_power(const std::vector<float>& value, const std::vector<float>& truth, const std::vector<bool>& mask) {
+    const auto error = [&](double exponent) {
+        double sum = 0.0;
+        for (size_t i = 0; i < value.size(); ++i) {
+            if (!counts(mask, i)) { continue; }
+            const double e = std::pow(double(value[i]), exponent) - double(truth[i]);
+            sum += e * e;
+        }
+        return sum;
+    };
+    double low = std::log(0.25), high = std::log(4.0);
+    for (int i = 0; i < 40; ++i) { // a third of the range less each time: to 1e-6
+        const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+        error(std::exp(a)) < error(std::exp(b)) ? high = b : low = a;
+    }
+    return std::exp(0.5 * (low + high));
+}
+
 double unbiased_squared_error(const std::vector<float>& value, const std::vector<float>& truth_1,
                               const std::vector<float>& truth_2, size_t channels, const std::vector<bool>& mask) {
     double sum = 0.0;

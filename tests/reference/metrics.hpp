@@ -21,6 +21,9 @@ struct Metrics {
 Metrics measure_error(const std::vector<float>& value, const std::vector<float>& truth, size_t channels,
                       const std::vector<bool>& mask = {});
 
+// The exponent on a picture of values 0 to 1, between 1/4 and 4, that makes its RMSE least: 1 is a calibrated estimator.
+double best_power(const std::vector<float>& value, const std::vector<float>& truth, const std::vector<bool>& mask = {});
+
 // An unbiased estimate of the mean squared error where the truth is known by two independent estimates with noise of their own:
 // E[(t - r1)(t - r2)], in which the noise of neither is left. May come out below 0.
 double unbiased_squared_error(const std::vector<float>& value, const std::vector<float>& truth_1,

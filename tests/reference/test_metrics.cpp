@@ -65,6 +65,21 @@ void test_gain(void**) {
     assert_near(measure_error(value, truth, 1).gain, 1.25, 1e-5);
 }
 
+void test_power(void**) {
+    Pixels truth, value;
+    for (int i = 0; i <= 100; ++i) {
+        truth.push_back(float(i) / 100.0f);
+        value.push_back(std::pow(float(i) / 100.0f, 1.25f));
+    }
+    assert_near(best_power(value, truth), 0.8, 1e-5);
+    assert_near(best_power(truth, truth), 1.0, 1e-5);
+    truth.push_back(1.0f);
+    value.push_back(0.0f);
+    std::vector<bool> mask(truth.size(), true);
+    mask.back() = false; // which nothing mends
+    assert_near(best_power(value, truth, mask), 0.8, 1e-5);
+}
+
 void test_nothing_to_measure(void**) {
     const Metrics m = measure_error({1.0f}, {2.0f}, 1, {false});
     assert_int_equal(m.pixels, 0);
@@ -183,6 +198,7 @@ int main() {
                                 cmocka_unit_test(test_percentile),
                                 cmocka_unit_test(test_fireflies),
                                 cmocka_unit_test(test_gain),
+                                cmocka_unit_test(test_power),
                                 cmocka_unit_test(test_nothing_to_measure),
                                 cmocka_unit_test(test_unbiased_error),
                                 cmocka_unit_test(test_unbiased_error_by_hand),

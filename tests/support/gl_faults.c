@@ -10,16 +10,18 @@ static struct faults {
     int count, fail_at, poisoned;
     const char* failed;
     bool lookup, poison;
+    void (*watch)(void);
     GLenum error; /* that the failure left */
 } f;
 
 void gl_faults_start(dgbgl_get_proc_fn gl, int fail_at) {
-    const bool poison = f.poison;
+    const struct faults before = f;
     memset(&f, 0, sizeof f);
     f.get_proc = gl;
     f.fail_at = fail_at;
     f.failed = "";
-    f.poison = poison;
+    f.poison = before.poison;
+    f.watch = before.watch;
 }
 
 int gl_faults_count(void) { return f.count; }
@@ -27,6 +29,8 @@ int gl_faults_count(void) { return f.count; }
 const char* gl_faults_failed(void) { return f.failed; }
 
 bool gl_faults_was_lookup(void) { return f.lookup; }
+
+void gl_faults_watch(void (*draw)(void)) { f.watch = draw; }
 
 void gl_faults_poison(bool on) { f.poison = on; }
 
@@ -158,23 +162,35 @@ static GLenum fault_CheckFramebufferStatus(GLenum target) {
     return fails("glCheckFramebufferStatus") ? GL_FRAMEBUFFER_UNSUPPORTED : f.gl.CheckFramebufferStatus(target);
 }
 
+/* >> draws */
+
+static void fault_DrawArrays(GLenum mode, GLint first, GLsizei count) {
+    if (f.watch) f.watch();
+    f.gl.DrawArrays(mode, first, count);
+}
+
 /* >> get_proc */
 
-#define FAULT_FUNCTIONS(X) \
-    X(GetError)            \
-    X(GenTextures)         \
-    X(GenSamplers)         \
-    X(GenFramebuffers)     \
-    X(GenVertexArrays)     \
-    X(GenBuffers)          \
-    X(GenQueries)          \
-    X(CreateShader)        \
-    X(CreateProgram)       \
-    X(TexStorage2D)        \
-    X(TexStorage3D)        \
-    X(TexImage2D)          \
-    X(TexImage3D)          \
-    X(TexSubImage2D) X(BufferData) X(GetShaderiv) X(GetProgramiv) X(CheckFramebufferStatus)
+#define FAULT_FUNCTIONS(X)    \
+    X(GetError)               \
+    X(GenTextures)            \
+    X(GenSamplers)            \
+    X(GenFramebuffers)        \
+    X(GenVertexArrays)        \
+    X(GenBuffers)             \
+    X(GenQueries)             \
+    X(CreateShader)           \
+    X(CreateProgram)          \
+    X(TexStorage2D)           \
+    X(TexStorage3D)           \
+    X(TexImage2D)             \
+    X(TexImage3D)             \
+    X(TexSubImage2D)          \
+    X(BufferData)             \
+    X(GetShaderiv)            \
+    X(GetProgramiv)           \
+    X(CheckFramebufferStatus) \
+    X(DrawArrays)
 
 /* The one that stands in, or the GL's own. */
 static void* stand_in(const char* name, void* own) {

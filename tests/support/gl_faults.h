@@ -14,6 +14,9 @@ int gl_faults_count(void);          /* calls that could have failed, so far */
 const char* gl_faults_failed(void); /* the function that failed, or could not be found; "" as long as none has */
 bool gl_faults_was_lookup(void);    /* it could not be found */
 
+/* Called before each draw of the library; null: nothing is. */
+void gl_faults_watch(void (*draw)(void));
+
 /* Whether textures are filled as they get storage: floats with NaN, all else with what stands out. Needs OpenGL 4.4. */
 void gl_faults_poison(bool on);
 int gl_faults_poisoned(void); /* textures so far */

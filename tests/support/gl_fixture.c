@@ -276,7 +276,9 @@ GLuint fixture_program(const dgb_context* context) {
         printf("# %s\n", log);
         return 0;
     }
-    return dgbgl_attach_program(context, program) == DGB_OK ? program : 0;
+    if (dgbgl_attach_program(context, program) == DGB_OK) return program;
+    glDeleteProgram(program);
+    return 0;
 }
 
 static void set_matrix(GLuint program, const char* name, const float m[16]) {
@@ -324,6 +326,15 @@ void fixture_draw(void* user, const dgb_draw* draw) {
         draw_and_count(u, draw);
     else
         draw_room(u, draw);
+}
+
+int fixture_count_objects(void) {
+    GLuint name;
+    int count = 0;
+    for (name = 1; name < 4096; ++name)
+        count += glIsTexture(name) + glIsBuffer(name) + glIsFramebuffer(name) + glIsProgram(name) + glIsShader(name) +
+                 glIsSampler(name) + glIsVertexArray(name) + glIsQuery(name);
+    return count;
 }
 
 /* >> reading */

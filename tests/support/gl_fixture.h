@@ -75,6 +75,9 @@ float* fixture_read(dgb_texture texture, int level, int layer, int width, int he
    unless null. Caller frees both. Null where there is no such texture. */
 float* fixture_read_half(dgb_texture texture, int width, int height, float** ao);
 
+/* Objects alive in the context, of names below 4096. */
+int fixture_count_objects(void);
+
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);
 

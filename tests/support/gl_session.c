@@ -71,6 +71,8 @@ static void run_frame(gl_session* s, dgb_context* c, int frame) {
     memcpy(view.projection, projection, sizeof projection);
     view.view[0] = view.view[5] = view.view[10] = view.view[15] = 1.0f;
     view.view[12] = 0.05f * (float)frame;
+    view.view[13] = -1.7f;
+    view.view[14] = -5.0f;
     if (s->layers)
         built = went_well(s, "dgb_set_layers", dgb_set_layers(c, &view, s->layers), DGB_LOG_INPUT, DGB_LOG_INPUT);
     else

@@ -17,7 +17,7 @@ enum {
     UNITS = 48,
     IMAGE_UNITS = 8,
     BINDINGS = 36,
-    TOGGLES = 23,
+    TOGGLES = 26,
     VIEWPORTS = 16,
     DRAW_BUFFERS = 8,
     ATTACHMENTS = DRAW_BUFFERS + 1, /* depth is the last */
@@ -73,7 +73,7 @@ typedef struct program {
 
 /* What a caller can set. */
 static struct state {
-    GLuint draw_framebuffer, read_framebuffer, program, vertex_array, uniform_buffer, unpack_buffer;
+    GLuint draw_framebuffer, read_framebuffer, program, vertex_array, uniform_buffer, unpack_buffer, query_buffer;
     struct {
         GLuint buffer, pad;
         int64_t start, size;
@@ -84,13 +84,13 @@ static struct state {
     double depth_ranges[VIEWPORTS][2];
     GLboolean scissor[VIEWPORTS], blend[DRAW_BUFFERS], color_mask[DRAW_BUFFERS][4], depth_mask;
     GLboolean toggles[TOGGLES];
-    GLint depth_func, polygon_mode, clip_origin, clip_depth, unpack[6];
+    GLint depth_func, polygon_mode, clip_origin, clip_depth, unpack[7];
 } now;
 
 static struct context {
     gl_stub_desc desc;
     GLenum error;
-    int calls, lose_at, refusals, debug_groups;
+    int calls, gets, lose_at, refusals, debug_groups;
     char refusal[256];
     unsigned char life[KIND_COUNT][NAMES]; /* NAMED, MADE or DEAD */
     GLuint last[KIND_COUNT];
@@ -175,6 +175,7 @@ static bool is_offered(const char* function) {
 
 /* Every function begins with it. A lost context refuses all, and does nothing. */
 static bool enter(const char* function) {
+    c.gets += strncmp(function, "glGet", 5) == 0 || strncmp(function, "glIs", 4) == 0;
     if (++c.calls >= c.lose_at && c.lose_at) {
         c.error = GL_CONTEXT_LOST;
         return false;
@@ -251,6 +252,7 @@ static void unbind(enum kind kind, GLuint name) {
     if (kind != BUFFER) return;
     clear_binding(&now.uniform_buffer, name);
     clear_binding(&now.unpack_buffer, name);
+    clear_binding(&now.query_buffer, name);
     for (i = 0; i < BINDINGS; ++i)
         if (now.bindings[i].buffer == name) memset(&now.bindings[i], 0, sizeof now.bindings[i]);
 }
@@ -313,12 +315,13 @@ static GLenum stub_GetError(void) {
     return error;
 }
 
-static const GLenum unpack_names[6] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
-                                       GL_UNPACK_ALIGNMENT,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES};
+static const GLenum unpack_names[7] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
+                                       GL_UNPACK_ALIGNMENT,  GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES,
+                                       GL_UNPACK_SWAP_BYTES};
 
 static GLint* unpack_of(GLenum name) {
     int i;
-    for (i = 0; i < 6; ++i)
+    for (i = 0; i < (c.desc.es ? 6 : 7); ++i)
         if (unpack_names[i] == name) return &now.unpack[i];
     return NULL;
 }
@@ -337,6 +340,8 @@ static bool get_limit(GLenum name, GLint* value) {
     }
 }
 
+static bool has_query_buffers(void) { return since(440, 0) || has_extension("GL_ARB_query_buffer_object"); }
+
 static bool get_binding(GLenum name, GLint* value) {
     const GLuint unit = now.active;
     switch (name) {
@@ -346,6 +351,7 @@ static bool get_binding(GLenum name, GLint* value) {
     case GL_VERTEX_ARRAY_BINDING: *value = (GLint)now.vertex_array; return true;
     case GL_UNIFORM_BUFFER_BINDING: *value = (GLint)now.uniform_buffer; return true;
     case GL_PIXEL_UNPACK_BUFFER_BINDING: *value = (GLint)now.unpack_buffer; return true;
+    case GL_QUERY_BUFFER_BINDING: *value = (GLint)now.query_buffer; return has_query_buffers();
     case GL_ACTIVE_TEXTURE: *value = (GLint)(GL_TEXTURE0 + unit); return true;
     case GL_TEXTURE_BINDING_2D: *value = (GLint)now.textures_2d[unit]; return true;
     case GL_TEXTURE_BINDING_2D_ARRAY: *value = (GLint)now.textures_array[unit]; return true;
@@ -436,15 +442,32 @@ static void stub_Finish(void) { ENTER(Finish); }
 static const struct toggle {
     GLenum name;
     int since, since_es;
-} toggles[] = {
-    {GL_DEPTH_TEST, 330, 300},      {GL_STENCIL_TEST, 330, 300},        {GL_CULL_FACE, 330, 300},
-    {GL_DITHER, 330, 300},          {GL_POLYGON_OFFSET_FILL, 330, 300}, {GL_SAMPLE_ALPHA_TO_COVERAGE, 330, 300},
-    {GL_SAMPLE_COVERAGE, 330, 300}, {GL_RASTERIZER_DISCARD, 330, 300},  {GL_PRIMITIVE_RESTART_FIXED_INDEX, 430, 300},
-    {GL_SAMPLE_MASK, 330, 310},     {GL_COLOR_LOGIC_OP, 330, 0},        {GL_MULTISAMPLE, 330, 0},
-    {GL_DEPTH_CLAMP, 330, 0},       {GL_PRIMITIVE_RESTART, 330, 0},     {GL_FRAMEBUFFER_SRGB, 330, 0},
-    {GL_CLIP_DISTANCE0, 330, 0},    {GL_CLIP_DISTANCE1, 330, 0},        {GL_CLIP_DISTANCE2, 330, 0},
-    {GL_CLIP_DISTANCE3, 330, 0},    {GL_CLIP_DISTANCE4, 330, 0},        {GL_CLIP_DISTANCE5, 330, 0},
-    {GL_CLIP_DISTANCE6, 330, 0},    {GL_CLIP_DISTANCE7, 330, 0}};
+} toggles[] = {{GL_DEPTH_TEST, 330, 300},
+               {GL_STENCIL_TEST, 330, 300},
+               {GL_CULL_FACE, 330, 300},
+               {GL_DITHER, 330, 300},
+               {GL_POLYGON_OFFSET_FILL, 330, 300},
+               {GL_SAMPLE_ALPHA_TO_COVERAGE, 330, 300},
+               {GL_SAMPLE_COVERAGE, 330, 300},
+               {GL_RASTERIZER_DISCARD, 330, 300},
+               {GL_PRIMITIVE_RESTART_FIXED_INDEX, 430, 300},
+               {GL_SAMPLE_MASK, 330, 310},
+               {GL_COLOR_LOGIC_OP, 330, 0},
+               {GL_MULTISAMPLE, 330, 0},
+               {GL_DEPTH_CLAMP, 330, 0},
+               {GL_PRIMITIVE_RESTART, 330, 0},
+               {GL_FRAMEBUFFER_SRGB, 330, 0},
+               {GL_CLIP_DISTANCE0, 330, 0},
+               {GL_CLIP_DISTANCE1, 330, 0},
+               {GL_CLIP_DISTANCE2, 330, 0},
+               {GL_CLIP_DISTANCE3, 330, 0},
+               {GL_CLIP_DISTANCE4, 330, 0},
+               {GL_CLIP_DISTANCE5, 330, 0},
+               {GL_CLIP_DISTANCE6, 330, 0},
+               {GL_CLIP_DISTANCE7, 330, 0},
+               {GL_POLYGON_SMOOTH, 330, 0},
+               {GL_POLYGON_OFFSET_POINT, 330, 0},
+               {GL_POLYGON_OFFSET_LINE, 330, 0}};
 
 /* Null, and refused, when there is none. */
 static GLboolean* toggle_of(GLenum name, const char* function) {
@@ -1034,6 +1057,8 @@ static void stub_BindBuffer(GLenum target, GLuint name) {
         now.uniform_buffer = name;
     else if (target == GL_PIXEL_UNPACK_BUFFER)
         now.unpack_buffer = name;
+    else if (target == GL_QUERY_BUFFER && has_query_buffers())
+        now.query_buffer = name;
     else
         refuse(GL_INVALID_ENUM, "glBindBuffer: 0x%04x", target);
 }
@@ -1581,8 +1606,8 @@ static void stub_QueryCounter(GLuint name, GLenum target) {
 }
 
 static bool query_ok(GLuint name, const char* function) {
-    const bool ok = is_name(QUERY, name) && c.counted[name];
-    if (!ok) refuse(GL_INVALID_OPERATION, "%s: query %u has not begun", function, name);
+    const bool ok = is_name(QUERY, name) && c.counted[name] && !now.query_buffer;
+    if (!ok) refuse(GL_INVALID_OPERATION, "%s: query %u has not begun, or goes into a buffer", function, name);
     return ok;
 }
 
@@ -1668,6 +1693,8 @@ void gl_stub_stop(void) {
 
 int gl_stub_calls(void) { return c.calls; }
 
+int gl_stub_gets(void) { return c.gets; }
+
 void gl_stub_lose_at(int call) { c.lose_at = call; }
 
 int gl_stub_refusals(void) { return c.refusals; }
@@ -1708,7 +1735,7 @@ static void scramble_raster(void) {
     now.depth_func = GL_NOTEQUAL;
     if (!c.desc.es) now.polygon_mode = GL_LINE;
     if (is_offered("glClipControl")) now.clip_origin = GL_UPPER_LEFT, now.clip_depth = GL_ZERO_TO_ONE;
-    for (i = 0; i < 6; ++i) now.unpack[i] = unpack_names[i] == GL_UNPACK_ALIGNMENT ? 8 : 2 + i;
+    for (i = 0; i < (c.desc.es ? 6 : 7); ++i) now.unpack[i] = unpack_names[i] == GL_UNPACK_ALIGNMENT ? 8 : 2 + i;
 }
 
 void gl_stub_scramble(void) {
@@ -1721,6 +1748,7 @@ void gl_stub_scramble(void) {
     now.vertex_array = own(VERTEX_ARRAY);
     now.uniform_buffer = own(BUFFER);
     now.unpack_buffer = own(BUFFER);
+    if (has_query_buffers()) now.query_buffer = own(BUFFER);
     for (i = 0; i < BINDINGS; ++i) {
         now.bindings[i].buffer = own(BUFFER);
         now.bindings[i].start = 256 * (i % 3);

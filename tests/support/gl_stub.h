@@ -28,6 +28,7 @@ void* gl_stub_get_proc(const char* name);
 
 int gl_stub_alive(void);           /* objects */
 int gl_stub_calls(void);           /* so far, since the start */
+int gl_stub_gets(void);            /* those of them that ask: glGet..., glIs... */
 void gl_stub_lose_at(int call);    /* the context is lost at this call, from 1, and stays lost; 0: never */
 int gl_stub_refusals(void);        /* calls that were refused */
 const char* gl_stub_refusal(void); /* the first of them, in words; "" when there is none */

@@ -380,6 +380,44 @@ std::vector<Setting> thickness_settings() {
     return settings;
 }
 
+// Who takes part. What does not concern light leaves it as it is, so that it is there once.
+struct Entrant {
+    const char* name;
+    std::vector<Choice> choices;
+};
+const Entrant kEntrants[] = {{"paper 2 layers", {}},
+                             {"paper 1 layer", {{"layers", 1}}},
+                             {"bitmask 2 layers", {{"estimator", DGB_ESTIMATOR_BITMASK}}},
+                             {"bitmask 1 layer", {{"layers", 1}, {"estimator", DGB_ESTIMATOR_BITMASK}}},
+                             {"sao", {{"layers", 1}, {"baseline", double(Baseline::sao)}}},
+                             {"gtao", {{"layers", 1}, {"baseline", double(Baseline::gtao)}}}};
+
+// The preset's taps first: the others tell what a contest of equal cost comes to.
+void add_entrant(std::vector<Setting>* settings, const Entrant& entrant, const Setting& preset) {
+    Setting base = vary(preset, entrant.choices);
+    base.around = entrant.name;
+    base.varied.clear();
+    add_unless_there(settings, base);
+    for (const double taps : {8.0, 16.0, 30.0}) {
+        add_unless_there(settings, vary(base, {{"taps", taps}, {"filter_taps", 5.0}}));
+    }
+}
+
+std::vector<Setting> estimator_settings(bool quick) {
+    std::vector<Setting> settings;
+    for (const Effect effect : {Effect::occlusion, Effect::light}) {
+        for (const bool moving : {true, false}) {
+            for (const int frames : {1, 4, 16, 64}) {
+                if (frames == 1 ? !moving : quick) { continue; } // one frame is the same for both cameras
+                Setting preset = preset_setting(effect, DGB_PRESET_BALANCED, {frames, moving});
+                preset.params.history_weight = 0.95f; // what many frames are for
+                for (const Entrant& entrant : kEntrants) { add_entrant(&settings, entrant, preset); }
+            }
+        }
+    }
+    return settings;
+}
+
 dgb_params scaled(dgb_params params, float size) {
     const float share = std::min(size / kRoom, 1.0f);
     for (float* length :

@@ -60,6 +60,10 @@ std::vector<Setting> budget_settings();
 // little noise, and of mirrors with a step a pixel.
 std::vector<Setting> thickness_settings();
 
+// The estimators of occlusion and of light that there are, the library's and others', each at the taps and filters that it could
+// be given, after one frame and, unless it is to be quick, after 4, 16 and 64: `around` names the estimator.
+std::vector<Setting> estimator_settings(bool quick);
+
 // The separation and the radii of the presets suit rooms: scenes smaller than that get smaller ones. size: metres.
 dgb_params scaled(dgb_params params, float size);
 

@@ -1,10 +1,12 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--questions | --thickness | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
+//     trade [--quick] [--estimators | --thickness | --questions | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //
 // --budget: in place of the sweep, the settings of which dgb_preset_for picks; writes tests/trade/budget.csv and the table in
 // deepgbuffer.h; --check-budget says whether the two agree.
+// --estimators: in place of the sweep, the library's estimators against others' (baselines.hpp), at equal cost, after 1 to 64
+// frames (quick: 1); the truth of ao is cosine-weighted visibility; rows are in build/trade/estimators.csv.
 // --thickness: in place of the sweep, what ends a surface (dgb_thickness), and at what length at the latest.
 // --questions: in place of the sweep, what a sweep cannot answer (questions.hpp); writes build/trade/questions.csv.
 //
@@ -43,20 +45,24 @@ File open_result(const std::string& name, const char* mode) {
     return file;
 }
 
+enum class Task { sweep, estimators, thickness, questions, budget, check_budget };
+
 struct Plan {
+    Task task = Task::sweep;
     bool quick = false;
     int width = 320, height = 180;
     int random_count = 200;
     uint32_t seed = 1;
-    bool questions = false, thickness = false, budget = false, check_budget = false;
     int samples = 1024, turns = 5; // rays a pixel of the truth; timed frames
     std::vector<std::string> scenes;
+
+    const char* rows() const { return task == Task::estimators ? "estimators.csv" : "rows.csv"; } // what was measured
 };
 
 // ---- Truth ----------------------------------------------------------------------------------------------
 
 struct Truth {
-    Pixels obscurance, visibility; // of the AO radius: the paper's, cosine-weighted
+    Pixels obscurance, visibility; // of the AO radius: what ao is compared with, and cosine-weighted
     Pixels irradiance[2], both;    // two independent halves, and their mean; RGB, W/m2
     double mean_irradiance = 0.0;  // of all channels
     std::vector<MirrorHit> mirror;
@@ -94,6 +100,7 @@ void trace_light(const Stage& stage, const Plan& plan, Truth* truth) {
     for (const auto& e : trace_occlusion(stage.reference(), stage.points(), q.ao_radius, plan.samples, plan.seed)) {
         truth->visibility.push_back(float(e.mean.x));
     }
+    if (plan.task == Task::estimators) { truth->obscurance = truth->visibility; }
     double sum = 0.0, squares = 0.0;
     for (const auto& e : trace_irradiance(stage.reference(), stage.points(), one_bounce, plan.samples, plan.seed)) {
         for (int c = 0; c < 3; ++c) {
@@ -132,7 +139,7 @@ Truth trace_truth(const Stage& stage, const Plan& plan) {
 
 // What is measured of a setting, in the order of the columns.
 constexpr const char* kMeasures[] = {
-    "rmse",        "mae",    "bias",  "p95",  "relative",   "ssim",  "gain",  "rmse_cosine", "rmse_silhouette",
+    "rmse",        "mae",    "bias",  "p95",  "relative",   "ssim",  "gain",  "power", "rmse_cosine", "rmse_silhouette",
     "rmse_border", "change", "wrong", "cost", "cost_built", "bytes", "texels"};
 enum Measure {
     kRmse,
@@ -142,6 +149,7 @@ enum Measure {
     kRelative,
     kSsim,
     kGain,
+    kPower,
     kRmseCosine,
     kRmseSilhouette,
     kRmseBorder,
@@ -441,6 +449,7 @@ Row measure(Stage* stage, const Plan& plan, const Truth& truth, const Setting& s
     fill_errors(picture, plan, truth, &row);
     row.measures[kChange] = change_of(contender, picture, *stage, truth);
     if (setting.effect == Effect::occlusion) {
+        row.measures[kPower] = best_power(picture.value, picture.truth, truth.surface);
         row.measures[kRmseCosine] = measure_error(picture.value, truth.visibility, 1, truth.surface).rmse;
     }
     if (setting.effect == Effect::mirror) { row.measures[kWrong] = wrong_hits(contender, *stage, truth); }
@@ -602,6 +611,102 @@ void print_presets(const std::vector<Row>& rows) {
     }
 }
 
+// ---- Estimators -----------------------------------------------------------------------------------------
+
+// The estimators of one effect under one condition, in the order of the rows.
+struct League {
+    const std::vector<Row>& rows;
+    Row contest; // of all its scenes
+
+    bool has(const Row& row) const {
+        return row.effect == contest.effect && row.frames == contest.frames && row.camera == contest.camera;
+    }
+    std::vector<std::string> each(std::string Row::*column) const {
+        std::vector<std::string> values;
+        for (const Row& row : rows) {
+            const bool seen = std::count(values.begin(), values.end(), row.*column) > 0;
+            if (has(row) && !seen) { values.push_back(row.*column); }
+        }
+        return values;
+    }
+    // The least error of an estimator in a scene for so much; infinite when there is none.
+    double best(const std::string& view, const std::string& estimator, double cost, Measure error) const {
+        double least = std::numeric_limits<double>::infinity();
+        for (const Row& row : rows) {
+            const bool may =
+                has(row) && row.view == view && row.around == estimator && row.measures[kCostBuilt] <= cost;
+            if (may) { least = std::min(least, row.measures[error]); }
+        }
+        return least;
+    }
+    // Over that of the first estimator, geometric mean of the scenes; NaN where it is not to be had for so much.
+    double ratio(const std::string& estimator, double cost, Measure error) const {
+        double sum = 0.0;
+        const std::vector<std::string> views = each(&Row::view);
+        for (const std::string& view : views) {
+            sum += std::log(best(view, estimator, cost, error) / best(view, contest.around, kAnyCost, error));
+        }
+        return std::isfinite(sum) ? std::exp(sum / double(views.size())) : std::numeric_limits<double>::quiet_NaN();
+    }
+    // Scenes in which nobody errs less for so much.
+    int wins(const std::string& estimator, double cost) const {
+        int count = 0;
+        for (const std::string& view : each(&Row::view)) {
+            const double own = best(view, estimator, cost, kRmse);
+            bool least = std::isfinite(own);
+            for (const std::string& other : each(&Row::around)) {
+                least = least && own <= best(view, other, cost, kRmse);
+            }
+            count += least;
+        }
+        return count;
+    }
+
+    static constexpr double kAnyCost = 1e9;
+};
+
+// At the preset's taps and filter.
+void print_equal_taps(const League& league, const std::string& estimator) {
+    double mean[kMeasureCount] = {}, scenes = 0.0;
+    for (const Row& row : league.rows) {
+        if (!league.has(row) || row.around != estimator || !row.varied.empty()) { continue; }
+        for (size_t i = 0; i < kMeasureCount; ++i) { mean[i] += row.measures[i]; }
+        scenes += 1.0;
+    }
+    for (const Measure m : {kRmse, kRmseSilhouette, kSsim, kGain, kPower, kChange, kCost}) {
+        std::printf(" %7.3f", mean[m] / std::max(scenes, 1.0));
+    }
+}
+
+void print_league(const League& league) {
+    constexpr double kCosts[] = {0.8, 1.0, 1.5, 2.5};
+    std::printf("\n%s, frame %s, camera %s, %zu scenes. Equal taps: means. Equal cost, building included: least error "
+                "over the least of "
+                "%s at any cost, geometric mean; in brackets: scenes in which it is the least of all\n    %-18s",
+                league.contest.effect.c_str(), league.contest.frames.c_str(), league.contest.camera.c_str(),
+                league.each(&Row::view).size(), league.contest.around.c_str(), "");
+    for (const char* head : {"RMSE", "edges", "SSIM", "gain", "power", "change", "cost"}) { std::printf(" %7s", head); }
+    for (const double cost : kCosts) { std::printf("   cost %.1f", cost); }
+    std::printf("\n");
+    for (const std::string& estimator : league.each(&Row::around)) {
+        std::printf("    %-18s", estimator.c_str());
+        print_equal_taps(league, estimator);
+        for (const double cost : kCosts) {
+            const double ratio = league.ratio(estimator, cost, kRmse); // of scenes where it is to be had for so much
+            std::isnan(ratio) ? std::printf("  %5s    ", "-")
+                              : std::printf("  %5.2f (%d)", ratio, league.wins(estimator, cost));
+        }
+        std::printf("\n");
+    }
+}
+
+void print_estimators(const std::vector<Row>& rows) {
+    std::set<std::string> seen;
+    for (const Row& row : rows) {
+        if (seen.insert(row.effect + row.frames + row.camera).second) { print_league({rows, row}); }
+    }
+}
+
 // ---- Plot -----------------------------------------------------------------------------------------------
 
 // A row of panels an effect, one a scene: error over cost; the front is a line.
@@ -685,7 +790,7 @@ void sweep(const std::string& argument, const NamedView& scene, const Plan& plan
     if (missing.empty()) { return; }
     Stage stage(argument, plan.width, plan.height);
     const Truth truth = trace_truth(stage, plan);
-    const File file = open_result("rows.csv", "a");
+    const File file = open_result(plan.rows(), "a");
     std::map<Effect, Contender> baselines;
     for (const Effect effect : kEffects) {
         baselines.try_emplace(effect, &stage, preset_setting(effect, DGB_PRESET_BALANCED));
@@ -731,6 +836,12 @@ std::vector<NamedView> name_views(const std::vector<std::string>& arguments) {
     return views;
 }
 
+const std::map<std::string, Task> kTasks = {{"--estimators", Task::estimators},
+                                            {"--thickness", Task::thickness},
+                                            {"--questions", Task::questions},
+                                            {"--budget", Task::budget},
+                                            {"--check-budget", Task::check_budget}};
+
 Plan parse(const std::vector<std::string>& words) {
     Plan plan;
     for (size_t i = 0; i < words.size(); ++i) {
@@ -744,13 +855,8 @@ Plan parse(const std::vector<std::string>& words) {
             plan.height = 90;
             plan.samples = 64;
             plan.turns = 3;
-        } else if (words[i] == "--budget" || words[i] == "--check-budget") {
-            plan.budget = words[i] == "--budget";
-            plan.check_budget = !plan.budget;
-        } else if (words[i] == "--thickness") {
-            plan.thickness = true;
-        } else if (words[i] == "--questions") {
-            plan.questions = true;
+        } else if (const auto task = kTasks.find(words[i]); task != kTasks.end()) {
+            plan.task = task->second;
         } else if (words[i] == "--size") {
             if (std::sscanf(number().c_str(), "%dx%d", &plan.width, &plan.height) != 2 || plan.width < 32 ||
                 plan.height < 32) { // NOLINT
@@ -809,31 +915,41 @@ void check_budget() {
     }
 }
 
+std::vector<Setting> settings_of(const Plan& plan) {
+    switch (plan.task) {
+    case Task::budget: return budget_settings();
+    case Task::thickness: return thickness_settings();
+    case Task::estimators: return estimator_settings(plan.quick);
+    default: return plan.quick ? few_settings() : all_settings(plan.random_count, plan.seed);
+    }
+}
+
 void run(const Options& options) {
     std::vector<std::string> words = options.scenes;
     if (options.quick) { words.insert(words.begin(), "--quick"); }
     const Plan plan = parse(words);
     mkdir("build", 0777);
     mkdir("build/trade", 0777);
-    if (plan.questions) {
+    if (plan.task == Task::questions) {
         answer(plan);
         return;
     }
-    if (plan.check_budget) {
+    if (plan.task == Task::check_budget) {
         check_budget();
         return;
     }
-    const std::vector<Setting> settings = plan.budget      ? budget_settings()
-                                          : plan.thickness ? thickness_settings()
-                                          : plan.quick     ? few_settings()
-                                                           : all_settings(plan.random_count, plan.seed);
+    const std::vector<Setting> settings = settings_of(plan);
     const std::vector<NamedView> scenes = name_views(plan.scenes);
-    std::vector<Row> rows = read_rows("build/trade/rows.csv");
-    write_rows("rows.csv", rows); // without a line that was cut off, which the next would go on
+    std::vector<Row> rows = read_rows(std::string("build/trade/") + plan.rows());
+    write_rows(plan.rows(), rows); // without a line that was cut off, which the next would go on
     for (size_t i = 0; i < scenes.size(); ++i) { sweep(plan.scenes[i], scenes[i], plan, settings, &rows); }
     std::vector<Row> ordered = in_order(rows, scenes, plan, settings);
-    if (plan.budget) {
+    if (plan.task == Task::budget) {
         write_budget(ordered, settings);
+        return;
+    }
+    if (plan.task == Task::estimators) {
+        print_estimators(ordered);
         return;
     }
     mark_fronts(&ordered);

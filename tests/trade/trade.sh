@@ -79,6 +79,13 @@ questions() {
 }
 check "the questions are answered" questions
 
+estimators() { # of light, who errs least for as much as 2.5 times the preset's cost
+    "$trade" --estimators --quick gallery >league &&
+        awk '/^irradiance/ { light = 1 } light && /^    (paper|bitmask)/ { ++n; least[$1 $2] = $NF } 
+             END { exit !(n == 4 && least["bitmask2"] == "(1)") }' league
+}
+check "the bitmask errs least in the gallery's light" estimators
+
 refused() { ! "$trade" "$@" 2>err && [ "$(wc -l <err)" -eq 1 ]; }
 check "an unknown option is refused"  refused --fast
 check "a size that is none is refused" refused --size 10x10

@@ -339,6 +339,91 @@ static void test_depth_code_leaves_the_rest(void** state) {
     assert_true(dgb_depth_code(1.0f, 16777215.0f) == 1.0f);
 }
 
+/* >> how far away a separation can be told */
+
+static const struct {
+    dgb_format format;
+    long codes; /* 0: floats */
+} depth_formats[] = {{DGB_FORMAT_D16, 65535}, {DGB_FORMAT_D24, 16777215}, {DGB_FORMAT_D32F, 0}, {DGB_FORMAT_NONE, 0}};
+
+static long double float_step(long double x) { return (long double)from_bits(bits_of((float)x) + 1u) - (float)x; }
+
+/* Metres from one depth, or one float z, to the next. */
+static long double exact_step(const lens* e, const float p[16], long double distance, long codes) {
+    const long double w = (long double)p[15] - p[11] * distance, depth = exact_depth(e, p, -distance);
+    const long double slope = fabsl(((long double)p[10] * p[15] - (long double)p[14] * p[11]) / (w * w)) /
+                              (e->clip == DGB_CLIP_ZERO_TO_ONE ? 1.0L : 2.0L);
+    return fmaxl((codes ? 1.0L / codes : float_step(depth)) / slope, float_step(distance));
+}
+
+/* What a depth buffer holds of it. */
+static long double stored_depth(const lens* e, const float p[16], long double distance, long codes) {
+    const long double depth = exact_depth(e, p, -distance);
+    return codes ? roundl(depth * codes) : (long double)(float)depth;
+}
+
+static void check_limit(const lens* e, const float p[16], const dgb_camera* camera, int k, float separation,
+                        uint64_t* seed) {
+    const long codes = depth_formats[k].codes;
+    const double limit = (double)dgb_separation_limit(separation, depth_formats[k].format, camera);
+    const double far = e->infinite ? 1e15 : e->far, end = limit < far ? limit : far;
+    int i;
+    for (i = 0; i < 8;
+         ++i) { /* within: two surfaces that far apart have two depths; 1 %: neither float nor code ties */
+        const double distance = random_in(seed, e->near, end - 1.01 * (double)separation);
+        if (!(distance > e->near) || distance + 1.01 * (double)separation > end) continue;
+        if (stored_depth(e, p, distance, codes) ==
+            stored_depth(e, p, distance + 1.01L * (long double)separation, codes))
+            fail_msg("%s: %g m behind %.9g, within %.9g, are one depth", lens_name(e), (double)separation, distance,
+                     limit);
+    }
+    /* and the step past it is the first that is longer; 1e-3: to 0.1 % */
+    if (limit > e->near && limit * 1.001 < far &&
+        exact_step(e, p, limit * 1.0009765625L, codes) < (long double)separation * (1.0L - 1e-3L))
+        fail_msg("%s: %g m can be told beyond %.9g m, too", lens_name(e), (double)separation, limit);
+}
+
+static void test_separation_limit(void** state) {
+    static const float separations[] = {1e-3f, 0.05f, 0.5f, 20.0f};
+    uint64_t seed = 19;
+    lens e;
+    int n, k;
+    size_t i;
+    (void)state;
+    for (n = 0; nth_lens(n, &e); ++n) {
+        dgb_camera camera;
+        float p[16];
+        if (!exists(&e) || n % 5) continue;
+        make_camera(&e, p, &camera);
+        for (k = 0; k < 4; ++k)
+            for (i = 0; i < 4; ++i) check_limit(&e, p, &camera, k, separations[i], &seed);
+    }
+}
+
+/* Distances known by hand: near 0.1 m, no far plane. A code of a depth 1 - 0.1/z is z^2 / (0.1 codes) long. */
+static void test_separation_limit_by_hand(void** state) {
+    const float nan = from_bits(0x7fc00000u);
+    dgb_camera camera;
+    float p[16];
+    lens e = base;
+    (void)state;
+    e.infinite = true;
+    e.clip = DGB_CLIP_ZERO_TO_ONE;
+    make_camera(&e, p, &camera);
+    assert_true(fabs((double)dgb_separation_limit(0.5f, DGB_FORMAT_D16, &camera) / sqrt(0.05 * 65535.0) - 1.0) < 1e-3);
+    assert_true(fabs((double)dgb_separation_limit(0.5f, DGB_FORMAT_D24, &camera) / sqrt(0.05 * 16777215.0) - 1.0) <
+                1e-3);
+    e.reversed = true;
+    make_camera(&e, p, &camera);
+    /* about 2^-23 of the distance: a float of either */
+    assert_true(dgb_separation_limit(0.5f, DGB_FORMAT_D32F, &camera) > 0.25f * 8388608.0f);
+    assert_true(dgb_separation_limit(0.5f, DGB_FORMAT_D32F, &camera) <= 8388608.0f);
+    assert_true(dgb_separation_limit(INFINITY, DGB_FORMAT_D16, &camera) == DGB_MAX_DISTANCE);
+    assert_true(dgb_separation_limit(0.0f, DGB_FORMAT_D32F, &camera) == 0.0f);
+    assert_true(dgb_separation_limit(-1.0f, DGB_FORMAT_D32F, &camera) == 0.0f);
+    assert_true(dgb_separation_limit(nan, DGB_FORMAT_D32F, &camera) == 0.0f);
+}
+
 /* >> position */
 
 /* The camera-space coordinate that lands on `pixel` at z, and the sizes of the terms it is the sum of. */
@@ -639,6 +724,8 @@ int main(void) {
         cmocka_unit_test(test_depth_codes_are_fixed),
         cmocka_unit_test(test_depth_code_rounds),
         cmocka_unit_test(test_depth_code_leaves_the_rest),
+        cmocka_unit_test(test_separation_limit),
+        cmocka_unit_test(test_separation_limit_by_hand),
         cmocka_unit_test(test_position),
         cmocka_unit_test(test_project_and_reconstruct),
         cmocka_unit_test(test_pixels_per_metre),

@@ -1,0 +1,368 @@
+/* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted: every
+   result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
+#include "gl_images.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 40, HEIGHT = 28, GUARD = 0, COUNT = WIDTH * HEIGHT };
+
+#define OTHERS                                                                                              \
+    (DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT | \
+     DGB_EFFECT_GLOSSY)
+
+static fixture f;
+
+/* >> numbers of every kind */
+
+static uint32_t random_state;
+
+static uint32_t random_bits(void) {
+    random_state = random_state * 1664525u + 1013904223u;
+    return random_state ^ random_state >> 15;
+}
+
+static float float_of(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+
+/* NaN, infinite, largest, 1e6, subnormal, negative ones; or any bits. */
+static float injected(void) {
+    static const uint32_t special[] = {0x7fc00000u, 0xffc00001u, 0x7f800000u, 0xff800000u, 0x7f7fffffu, 0xff7fffffu,
+                                       0x49742400u, 0xc9742400u, 0x00000001u, 0x807fffffu, 0x80000000u, 0xbf800000u};
+    const uint32_t kind = random_bits() >> 8;
+    return float_of(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
+                              : random_bits() ^ random_bits() << 16);
+}
+
+static bool is_finite(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (bits & 0x7f800000u) != 0x7f800000u;
+}
+
+/* >> two engines that show the same, one of them with what is injected */
+
+typedef struct how {
+    const char* name;
+    uint32_t effects;
+    dgb_estimator estimator;
+    dgb_tracer tracer;
+    dgb_thickness thickness;
+    dgb_normals normals;
+    int layers;
+} how;
+
+static const how hows[] = {
+    {"paper", OTHERS, DGB_ESTIMATOR_PAPER, DGB_TRACER_LINEAR, DGB_THICKNESS_LAYERS, DGB_NORMALS_FLOAT, 2},
+    {"paper, one bounce", OTHERS & ~(uint32_t)DGB_EFFECT_BOUNCES, DGB_ESTIMATOR_PAPER, DGB_TRACER_LINEAR,
+     DGB_THICKNESS_LAYERS, DGB_NORMALS_FLOAT, 2},
+    {"paper, normals from depth, 1 layer", OTHERS, DGB_ESTIMATOR_PAPER, DGB_TRACER_HIERARCHICAL, DGB_THICKNESS_CONSTANT,
+     DGB_NORMALS_FROM_DEPTH, 1},
+    {"bitmask", OTHERS | DGB_EFFECT_BENT, DGB_ESTIMATOR_BITMASK, DGB_TRACER_HIERARCHICAL, DGB_THICKNESS_BACK_FACES,
+     DGB_NORMALS_FLOAT, 2},
+    {"bitmask, 1 layer", OTHERS | DGB_EFFECT_BENT, DGB_ESTIMATOR_BITMASK, DGB_TRACER_LINEAR, DGB_THICKNESS_CONSTANT,
+     DGB_NORMALS_FLOAT, 1}};
+
+typedef struct engine {
+    const how* h;
+    dgb_context c;
+    images m;
+    GLuint roughness_texture;
+    float roughness[COUNT];
+    dgb_params params;
+} engine;
+
+static dgb_params ordinary_params(void) {
+    dgb_params q = dgb_preset(DGB_PRESET_QUALITY);
+    q.guard_fraction = 1.0f;
+    q.slices = 2;
+    q.history_clamp = 2.0f;
+    q.sample_clamp = 4.0f;
+    q.reflect_stride = 1;
+    q.reflect_thickness = 2.0f;
+    q.reflect_border = 0.0f;
+    return q;
+}
+
+static void open_engine(engine* e, const how* h) {
+    dgb_desc d;
+    memset(e, 0, sizeof *e);
+    e->h = h;
+    e->m = images_open(WIDTH, HEIGHT);
+    e->params = ordinary_params();
+    glGenTextures(1, &e->roughness_texture);
+    d = images_desc(&e->m, GUARD, h->layers, h->effects, &f.gl.backend);
+    d.estimator = h->estimator;
+    d.tracer = h->tracer;
+    d.thickness = h->thickness;
+    d.normals = h->normals;
+    d.log = NULL; /* parameters that are refused are no surprise */
+    assert_int_equal(dgb_init(&e->c, &d), DGB_OK);
+}
+
+static void close_engine(engine* e) {
+    dgb_shutdown(&e->c);
+    images_close(&e->m);
+    glDeleteTextures(1, &e->roughness_texture);
+}
+
+/* Steps that face all ways, lit and rough in all ways: the surfaces always the same, their light for a seed. */
+static void put_scene(engine* e, uint32_t seed) {
+    int layer, x, y, k;
+    random_state = seed;
+    for (layer = 0; layer < 2; ++layer)
+        for (y = 0; y < HEIGHT; ++y)
+            for (x = 0; x < WIDTH; ++x) {
+                const float normal[3] = {0.4f * (float)(x / 3 % 3 - 1), 0.4f * (float)(y / 3 % 3 - 1), 0.8f};
+                images_put(&e->m, layer, x, y, 2.0 + 0.05 * x + 0.3 * (y / 4 % 3) + 2.0 * layer, normal);
+                for (k = 0; k < 3; ++k) {
+                    images_at(&e->m, IMAGE_RADIANCE, layer, x, y)[k] = 3.0f * random_unit();
+                    images_at(&e->m, IMAGE_ALBEDO, layer, x, y)[k] = 0.8f * random_unit();
+                }
+                e->roughness[y * WIDTH + x] = random_unit();
+                e->m.back[y * WIDTH + x] = *images_at(&e->m, IMAGE_DEPTH, 0, x, y) * 0.95f;
+            }
+}
+
+/* One texel in `rarity` of every input of every kind. */
+static void inject_inputs(engine* e, uint32_t rarity) {
+    int kind, layer, i;
+    for (kind = 0; kind < IMAGE_KINDS; ++kind)
+        for (layer = 0; layer < 2; ++layer)
+            for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * COUNT; ++i)
+                if (random_bits() >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
+    for (i = 0; i < COUNT; ++i) {
+        if (random_bits() >> 8 < 16777216u / rarity) e->roughness[i] = injected();
+        if (random_bits() >> 8 < 16777216u / rarity) e->m.back[i] = injected();
+    }
+}
+
+static dgb_result show(engine* e, bool cut) {
+    dgb_view view = images_view(&e->m, GUARD);
+    dgb_layers layers = images_upload(&e->m);
+    glBindTexture(GL_TEXTURE_2D, e->roughness_texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, WIDTH, HEIGHT, 0, GL_RED, GL_FLOAT, e->roughness);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    layers.roughness = dgbgl_texture(e->roughness_texture);
+    view.cut = cut;
+    assert_int_equal(dgb_set_layers(&e->c, &view, &layers), DGB_OK);
+    return dgb_shade(&e->c, &e->params);
+}
+
+/* >> what comes out */
+
+static const struct {
+    dgb_slot slot;
+    float low, high[4]; /* of a channel */
+} results[] = {{DGB_AO, 0.0f, {1.0f, 1.0f, 1.0f, 1.0f}},
+               {DGB_BENT, -1.001f, {1.001f, 1.001f, 1.001f, 1.0f}}, /* half floats round */
+               {DGB_IRRADIANCE, 0.0f, {DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, 1.0f}},
+               {DGB_IRRADIANCE1, 0.0f, {DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, 1.0f}},
+               {DGB_REFLECTION, 0.0f, {DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, DGB_MAX_RADIANCE, 1.0f}},
+               {DGB_REFLECTION_HIT, -1.001f, {2.0f, DGB_MAX_RADIANCE, 1.001f, 1.001f}}};
+enum { RESULTS = (int)(sizeof results / sizeof results[0]) };
+
+static float* read_result(const engine* e, dgb_slot slot) {
+    const dgb_texture texture = dgb_get_texture(&e->c, slot);
+    return texture.id ? fixture_read(texture, 0, 0, WIDTH, HEIGHT, 0, GL_RGBA, 4) : NULL;
+}
+
+static void check_results(const engine* e, const char* when) {
+    int r, i;
+    for (r = 0; r < RESULTS; ++r) {
+        float* image = read_result(e, results[r].slot);
+        for (i = 0; image && i < 4 * COUNT; ++i)
+            if (!(image[i] >= results[r].low && image[i] <= results[r].high[i % 4])) /* so NaN is not */
+                fail_msg("%s, %s: %s holds %g at %d", e->h->name, when, dgb_slot_name(results[r].slot),
+                         (double)image[i], i);
+        free(image);
+    }
+}
+
+static bool is_float_format(dgb_format format) {
+    return format >= DGB_FORMAT_R11G11B10F && format <= DGB_FORMAT_RGBA32F;
+}
+
+/* The library's own textures that hold floats, all levels. Not the table of rotations, which is written once. */
+typedef void (*texture_visitor)(const engine* e, const dgb_texture_desc* d, int level, int width, int height);
+
+static bool is_depth_kept; /* or nothing would be taken for the surface that it was, and no history used */
+
+static void for_every_texture(const engine* e, texture_visitor visit) {
+    int t, level;
+    for (t = 0; t < e->c.plan.texture_count; ++t) {
+        const dgb_texture_desc* d = &e->c.plan.textures[t];
+        if (!is_float_format(d->format) || d->layers || d->slot == DGB_ROTATIONS) continue;
+        for (level = 0; level < d->levels; ++level) visit(e, d, level, d->width >> level, d->height >> level);
+    }
+}
+
+static void check_texture(const engine* e, const dgb_texture_desc* d, int level, int width, int height) {
+    float* image = fixture_read(dgb_get_texture(&e->c, d->slot), level, 0, width, height, 0, GL_RGBA, 4);
+    int i;
+    for (i = 0; i < 4 * width * height; ++i)
+        if (!is_finite(image[i]))
+            fail_msg("%s: level %d of %s holds %g at %d", e->h->name, level, dgb_slot_name(d->slot), (double)image[i],
+                     i);
+    free(image);
+}
+
+static void inject_texture(const engine* e, const dgb_texture_desc* d, int level, int width, int height) {
+    float* image = (float*)malloc(4 * sizeof(float) * (size_t)(width * height));
+    int i;
+    if (is_depth_kept && (d->slot == DGB_Z || d->slot == DGB_LAST_Z)) {
+        free(image);
+        return;
+    }
+    for (i = 0; i < 4 * width * height; ++i) image[i] = injected();
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&e->c, d->slot)));
+    glTexSubImage2D(GL_TEXTURE_2D, level, 0, 0, width, height, GL_RGBA, GL_FLOAT, image);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    free(image);
+}
+
+static void check_same(const engine* a, const engine* b) {
+    int r;
+    for (r = 0; r < RESULTS; ++r) {
+        float *x = read_result(a, results[r].slot), *y = read_result(b, results[r].slot);
+        if (x && memcmp(x, y, 4 * sizeof(float) * COUNT)) /* NOLINT: to the last bit */
+            fail_msg("%s: %s is not what it would have been", a->h->name, dgb_slot_name(results[r].slot));
+        free(x), free(y);
+    }
+}
+
+/* Something occludes, sends and mirrors, or all this would prove nothing. */
+static void check_scene(const engine* e) {
+    static const struct {
+        dgb_slot slot;
+        int channel;
+    } needed[] = {{DGB_IRRADIANCE, 3}, {DGB_REFLECTION, 3}};
+    size_t k;
+    int i, count;
+    for (k = 0; k < sizeof needed / sizeof needed[0]; ++k) {
+        float* image = read_result(e, needed[k].slot);
+        for (i = count = 0; i < COUNT; ++i) count += image[4 * i + needed[k].channel] > 0.01f;
+        if (count < COUNT / 32) fail_msg("%s: %s has %d texels", e->h->name, dgb_slot_name(needed[k].slot), count);
+        free(image);
+    }
+}
+
+/* >> tests */
+
+/* The two show the same scene in every frame but `bad` ones; a cut frees the one of what it saw. */
+static void cut_and_compare(engine* clean, engine* sick, uint32_t seed) {
+    put_scene(clean, seed), put_scene(sick, seed);
+    assert_int_equal(show(clean, true), DGB_OK);
+    assert_int_equal(show(sick, true), DGB_OK);
+    check_same(clean, sick);
+}
+
+static void test_inputs(void** state) {
+    size_t i;
+    uint32_t frame;
+    (void)state;
+    for (i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
+        static engine clean, sick;
+        open_engine(&clean, &hows[i]), open_engine(&sick, &hows[i]);
+        for (frame = 0; frame < 6; ++frame) {
+            put_scene(&clean, frame), put_scene(&sick, frame);
+            if (frame % 2) inject_inputs(&sick, 1u << 2 * (frame / 2u)); /* all, a quarter, a sixteenth */
+            assert_int_equal(show(&clean, false), DGB_OK);
+            assert_int_equal(show(&sick, false), DGB_OK);
+            check_results(&sick, frame % 2 ? "with injected inputs" : "a frame later");
+            for_every_texture(&sick, check_texture);
+        }
+        cut_and_compare(&clean, &sick, 77u);
+        close_engine(&clean), close_engine(&sick);
+    }
+}
+
+/* Two frames, because history has two textures that take turns. */
+static void test_own_textures(void** state) {
+    size_t i;
+    uint32_t frame;
+    (void)state;
+    for (i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
+        static engine clean, sick;
+        open_engine(&clean, &hows[i]), open_engine(&sick, &hows[i]);
+        for (frame = 0; frame < 6; ++frame) {
+            put_scene(&clean, frame), put_scene(&sick, frame);
+            is_depth_kept = frame < 3;
+            if (frame % 3 == 1) for_every_texture(&sick, inject_texture);
+            assert_int_equal(show(&clean, false), DGB_OK);
+            assert_int_equal(show(&sick, false), DGB_OK);
+            check_results(&sick, "with injected history");
+            if (hows[i].layers > 1) check_scene(&clean);
+            if (frame % 3 == 2) for_every_texture(&sick, check_texture);
+        }
+        for_every_texture(&sick, inject_texture);
+        cut_and_compare(&clean, &sick, 78u);
+        close_engine(&clean), close_engine(&sick);
+    }
+}
+
+/* Lengths and factors anywhere in what is accepted, several at a time. */
+static void inject_params(dgb_params* q) {
+    static const float values[] = {0.0f, 1e-45f, 1e-30f, 1e-15f, 1e-6f, 0.999f, 1.0f, 25.0f, 1e6f, 1e14f, 1e30f, 3e38f};
+    float* fields[] = {
+        &q->separation,       &q->ao_radius,         &q->ao_bias,           &q->ao_epsilon,        &q->ao_intensity,
+        &q->radius,           &q->thickness,         &q->bounce_damping,    &q->boost_unsaturated, &q->boost_saturated,
+        &q->history_weight,   &q->history_tolerance, &q->history_floor,     &q->history_clamp,     &q->sample_clamp,
+        &q->normal_sharpness, &q->plane_sharpness,   &q->reflect_thickness, &q->reflect_distance,  &q->reflect_border,
+        &q->glossy_radius};
+    const size_t count = sizeof fields / sizeof fields[0];
+    int n;
+    for (n = 0; n < 2; ++n)
+        *fields[(random_bits() >> 8) % count] = values[(random_bits() >> 8) % (sizeof values / sizeof values[0])];
+}
+
+static void test_params(void** state) {
+    size_t i;
+    uint32_t frame;
+    int accepted = 0;
+    (void)state;
+    for (i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
+        static engine e;
+        open_engine(&e, &hows[i]);
+        for (frame = 0; frame < 40; ++frame) {
+            dgb_result result;
+            put_scene(&e, frame);
+            random_state = frame * 7919u + 1u;
+            e.params = ordinary_params();
+            inject_params(&e.params);
+            result = show(&e, false);
+            assert_true(result == DGB_OK || result == DGB_INVALID);
+            if (result != DGB_OK) continue;
+            ++accepted;
+            check_results(&e, "with injected parameters");
+        }
+        close_engine(&e);
+    }
+    printf("# parameters: %d frames accepted\n", accepted);
+    assert_true(accepted >= 80); /* of 200 */
+}
+
+FIXTURE_CONTEXT(f, 4, 5, false)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_inputs),
+        cmocka_unit_test(test_own_textures),
+        cmocka_unit_test(test_params),
+        cmocka_unit_test(test_no_messages),
+    };
+    return cmocka_run_group_tests_name("injection", tests, open_context, close_context);
+}
