@@ -1833,7 +1833,7 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.normal_test = table[row].normal_test;
     p.min_level = table[row].min_level;
     p.slices = 1;
-    p.thickness = 0.25f;
+    p.thickness = 0.5f;
     p.bounce_damping = 1.0f;
     p.boost_unsaturated = 1.0f;
     p.boost_saturated = 1.0f;
