@@ -108,14 +108,33 @@ static void test_pair_is_exact(void** state) {
         int k;
         dgb_pixel_pair(x, y, 0, first);
         dgb_pixel_pair(x, y, frame, pair);
-        for (k = 0; k < 2;
-             ++k) { /* the step is 2^32 / p, 2^32 / p^2, where p^3 = p + 1; the lowest 9 bits are not kept */
+        /* the step is 2^32 / p, 2^32 / p^2, where p^3 = p + 1; the lowest 9 bits are not kept */
+        for (k = 0; k < 2; ++k) {
             const double step = k ? 0.56984029099805327 : 0.75487766624669276;
             const double steps = floor(step * 4294967296.0 + 0.5) / 4294967296.0 * (double)frame;
             const double expected = (double)first[k] + steps - floor(steps), off = (double)pair[k] - expected;
             assert_true(pair[k] > 0.0f && pair[k] < 1.0f);
+            assert_true(pair[k] * 8388608.0f - floorf(pair[k] * 8388608.0f) == 0.5f); /* the middle of its step */
             assert_true(fabs(off - floor(off + 0.5)) <= 1.01 / 8388608.0);
         }
+    }
+}
+
+/* Any other hash as good would pass the rest of these tests, but not be that of the shaders. Steps of 2^-23. */
+static void test_pair_is_the_same_ever(void** state) {
+    static const struct {
+        int x, y, frame;
+        float steps[2];
+    } known[] = {{0, 0, 0, {0.5f, 0.5f}},
+                 {1, 0, 0, {5797685.5f, 2006167.5f}},
+                 {37, 1021, 5, {2706601.5f, 6122518.5f}},
+                 {-3, 16383, -2, {8190532.5f, 8319944.5f}}};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        float pair[2];
+        dgb_pixel_pair(known[i].x, known[i].y, known[i].frame, pair);
+        assert_true(pair[0] * 8388608.0f == known[i].steps[0] && pair[1] * 8388608.0f == known[i].steps[1]);
     }
 }
 
@@ -402,6 +421,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_pair_is_exact),
+        cmocka_unit_test(test_pair_is_the_same_ever),
         cmocka_unit_test(test_pairs_of_pixels),
         cmocka_unit_test(test_pairs_of_frames),
         cmocka_unit_test(test_density),
