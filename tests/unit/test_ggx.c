@@ -417,6 +417,22 @@ static void test_normals_of_anything(void** state) {
     }
 }
 
+/* The frame about a normal has no pole where the normal points down, and three floats are written. */
+static void test_normals_up_and_down(void** state) {
+    const float up[3] = {0.0f, 0.0f, 1.0f}, down[3] = {0.0f, 0.0f, -1.0f}, u[2] = {0.3f, 0.7f};
+    const float wild[3] = {INFINITY, 0.0f, 1.0f}, x[3] = {1.0f, 0.0f, 0.0f}, y[3] = {0.0f, 1.0f, 0.0f};
+    float h[4] = {0.0f, 0.0f, 0.0f, 7.0f}, g[3];
+    (void)state;
+    dgb_ggx_normal(up, up, 0.5f, u, h);
+    dgb_ggx_normal(down, down, 0.5f, u, g);
+    assert_true(h[2] > 0.1f && h[2] < 0.99f);        /* neither is the mirror's */
+    assert_true(fabs((double)(h[2] + g[2])) < 1e-6); /* a few roundings */
+    assert_true(h[3] == 7.0f);
+    dgb_ggx_normal(wild, wild, 0.5f, u, h);
+    assert_memory_equal(h, up, sizeof up);
+    assert_true(dgb_ggx_density(x, up, y, 0.5f) == 0.0f); /* halfway lies in the surface: nobody sees it */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_alpha),
@@ -430,6 +446,7 @@ int main(void) {
         cmocka_unit_test(test_distribution),
         cmocka_unit_test(test_normals_face_the_viewer),
         cmocka_unit_test(test_normals_of_anything),
+        cmocka_unit_test(test_normals_up_and_down),
     };
     return cmocka_run_group_tests_name("ggx", tests, NULL, NULL);
 }
