@@ -91,8 +91,8 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
     $(error the package $(p) is missing: `make setup` installs what there is to install, or names it)))
 endif
 
-.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage examples bench \
-        fuzz gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
+.PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage mutate examples \
+        bench fuzz gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
         uninstall embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
@@ -165,6 +165,11 @@ coverage: ## what lines and branches of the headers the tests reach (gcov); fail
 	@find build/coverage -name '*.gcda' -delete
 	@tests/run $(call core_tests,coverage) $(call tests_in,gl,coverage)
 	@tests/coverage build/coverage/obj/tests/support/deepgbuffer.gcda $(coverage_goals)
+
+COUNT ?= 200
+SEED ?= 1
+mutate: core-tests ## small mistakes, COUNT=200 by SEED=1, in the core's mathematics: how many tests/unit notices; 90 % at least
+	@OBJECTS=$(B) COUNT=$(COUNT) SEED=$(SEED) tests/mutate/mutate.sh
 
 examples: $(examples) ## build every example
 	@$(if $(imgui),:,echo "examples: viewer left out: Dear ImGui is missing (Debian, Ubuntu: libimgui-dev)")

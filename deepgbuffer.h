@@ -264,6 +264,10 @@
        Far away depth formats do not tell a separation from none (dgb_separation_limit): with a near plane at 0.1 m, half a metre is
        told up to 57 m in D16, 916 m in D24 and D32F, but some 4 million metres in D32F with reversed depth.
        No tap is farther from its pixel than the buffer's diagonal, however large the radius is in pixels.
+       A new size keeps the programs and nothing else: dgb_resize makes every texture anew before it lets go of the old ones,
+       and the frame after it is as the first: peeled, without history or bounces. That is right for a window that is
+       dragged. A resolution that follows the load should change seldom, or have a context for each of a few sizes, with
+       programs and memory of its own and view.cut in its first frame after another's turn.
        Velocities carry no depth: of an object that moves towards the eye and not across, history is rejected.
 
    VERSION HISTORY

@@ -412,16 +412,6 @@ static double mean_of_frames(room* r, int frames) {
     return sum;
 }
 
-/* GL objects of every kind; names are handed out from 1 on. */
-static int count_objects(void) {
-    GLuint name;
-    int count = 0;
-    for (name = 1; name < 4096; ++name)
-        count += glIsTexture(name) + glIsFramebuffer(name) + glIsBuffer(name) + glIsProgram(name) + glIsShader(name) +
-                 glIsSampler(name) + glIsVertexArray(name);
-    return count;
-}
-
 /* 300 frames; with DGB_FULL=1 (make test-full) 2000. From frame 100 on the mean of 100 frames, or 270, stays within 0.1 %, and
    however much light there was in the beginning, it is the same within 1 %. */
 static void test_long_run(void** state) {
@@ -437,13 +427,13 @@ static void test_long_run(void** state) {
         run_room(&r), run_room(&r);
         flood(&r, floods[i]);
         for (n = 2; n < 100; ++n) run_room(&r);
-        objects = count_objects();
+        objects = fixture_count_objects();
         first = mean_of_frames(&r, frames);
         for (n = 0; n < windows; ++n) {
             means[i] = mean_of_frames(&r, frames);
             worst = fmax(worst, fabs(means[i] / first - 1.0));
         }
-        assert_int_equal(count_objects(), objects);
+        assert_int_equal(fixture_count_objects(), objects);
         assert_true(objects > 20); /* they are counted */
         check_room_bound(&r);
         close_room(&r);

@@ -422,6 +422,13 @@ static void test_separation_limit_by_hand(void** state) {
     assert_true(dgb_separation_limit(0.0f, DGB_FORMAT_D32F, &camera) == 0.0f);
     assert_true(dgb_separation_limit(-1.0f, DGB_FORMAT_D32F, &camera) == 0.0f);
     assert_true(dgb_separation_limit(nan, DGB_FORMAT_D32F, &camera) == 0.0f);
+
+    /* the 65535 steps of an orthographic depth are as long as each other: what is longer is told everywhere */
+    e = base;
+    e.orthographic = true;
+    make_camera(&e, p, &camera);
+    assert_true(dgb_separation_limit((float)((e.far - e.near) / 65534.5), DGB_FORMAT_D16, &camera) >= (float)e.far);
+    assert_true(dgb_separation_limit((float)((e.far - e.near) / 65535.5), DGB_FORMAT_D16, &camera) == 0.0f);
 }
 
 /* >> position */

@@ -108,14 +108,33 @@ static void test_pair_is_exact(void** state) {
         int k;
         dgb_pixel_pair(x, y, 0, first);
         dgb_pixel_pair(x, y, frame, pair);
-        for (k = 0; k < 2;
-             ++k) { /* the step is 2^32 / p, 2^32 / p^2, where p^3 = p + 1; the lowest 9 bits are not kept */
+        /* the step is 2^32 / p, 2^32 / p^2, where p^3 = p + 1; the lowest 9 bits are not kept */
+        for (k = 0; k < 2; ++k) {
             const double step = k ? 0.56984029099805327 : 0.75487766624669276;
             const double steps = floor(step * 4294967296.0 + 0.5) / 4294967296.0 * (double)frame;
             const double expected = (double)first[k] + steps - floor(steps), off = (double)pair[k] - expected;
             assert_true(pair[k] > 0.0f && pair[k] < 1.0f);
+            assert_true(pair[k] * 8388608.0f - floorf(pair[k] * 8388608.0f) == 0.5f); /* the middle of its step */
             assert_true(fabs(off - floor(off + 0.5)) <= 1.01 / 8388608.0);
         }
+    }
+}
+
+/* Any other hash as good would pass the rest of these tests, but not be that of the shaders. Steps of 2^-23. */
+static void test_pair_is_the_same_ever(void** state) {
+    static const struct {
+        int x, y, frame;
+        float steps[2];
+    } known[] = {{0, 0, 0, {0.5f, 0.5f}},
+                 {1, 0, 0, {5797685.5f, 2006167.5f}},
+                 {37, 1021, 5, {2706601.5f, 6122518.5f}},
+                 {-3, 16383, -2, {8190532.5f, 8319944.5f}}};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        float pair[2];
+        dgb_pixel_pair(known[i].x, known[i].y, known[i].frame, pair);
+        assert_true(pair[0] * 8388608.0f == known[i].steps[0] && pair[1] * 8388608.0f == known[i].steps[1]);
     }
 }
 
@@ -398,10 +417,27 @@ static void test_normals_of_anything(void** state) {
     }
 }
 
+/* The frame about a normal has no pole where the normal points down, and three floats are written. */
+static void test_normals_up_and_down(void** state) {
+    const float up[3] = {0.0f, 0.0f, 1.0f}, down[3] = {0.0f, 0.0f, -1.0f}, u[2] = {0.3f, 0.7f};
+    const float wild[3] = {INFINITY, 0.0f, 1.0f}, x[3] = {1.0f, 0.0f, 0.0f}, y[3] = {0.0f, 1.0f, 0.0f};
+    float h[4] = {0.0f, 0.0f, 0.0f, 7.0f}, g[3];
+    (void)state;
+    dgb_ggx_normal(up, up, 0.5f, u, h);
+    dgb_ggx_normal(down, down, 0.5f, u, g);
+    assert_true(h[2] > 0.1f && h[2] < 0.99f);        /* neither is the mirror's */
+    assert_true(fabs((double)(h[2] + g[2])) < 1e-6); /* a few roundings */
+    assert_true(h[3] == 7.0f);
+    dgb_ggx_normal(wild, wild, 0.5f, u, h);
+    assert_memory_equal(h, up, sizeof up);
+    assert_true(dgb_ggx_density(x, up, y, 0.5f) == 0.0f); /* halfway lies in the surface: nobody sees it */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_pair_is_exact),
+        cmocka_unit_test(test_pair_is_the_same_ever),
         cmocka_unit_test(test_pairs_of_pixels),
         cmocka_unit_test(test_pairs_of_frames),
         cmocka_unit_test(test_density),
@@ -410,6 +446,7 @@ int main(void) {
         cmocka_unit_test(test_distribution),
         cmocka_unit_test(test_normals_face_the_viewer),
         cmocka_unit_test(test_normals_of_anything),
+        cmocka_unit_test(test_normals_up_and_down),
     };
     return cmocka_run_group_tests_name("ggx", tests, NULL, NULL);
 }
