@@ -137,13 +137,14 @@ test: setup ## set up, build and run every test
 # Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
 full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
 valgrind := $(shell command -v valgrind)
-test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, 2000 frames, valgrind
+test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, 2000 frames, valgrind, other OpenGLs
 	@$(MAKE) config=sanitize build/sanitize/tests/backends/test_gl_faults
-	@$(MAKE) config=release build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
+	@$(MAKE) config=release gl-tests
 	@$(MAKE) config=debug build/debug/tests/backends/test_gl_faults
 	@DGB_FULL=1 TEST_TIMEOUT=7200 tests/run $(full_tests)
 	@$(if $(valgrind),$(valgrind) --quiet --error-exitcode=1 --leak-check=full build/debug/tests/backends/test_gl_faults, \
 	    echo "test-full: valgrind is missing")
+	@tests/gl/opinions.sh
 
 check: ## the tests that need no GPU and no package: compilation, symbols, embedded shaders
 	@tests/run $(source_tests)

@@ -48,7 +48,8 @@
                     that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add their
                     reflectance or environment BRDF times lerp(environment, L, confidence), both from DGB_REFLECTION.
                     dgbgl_composite_snippet has these in GLSL. Results are as large as the buffer: pixel p of the image is
-                    texel p + guard_band.
+                    texel p + guard_band. What lies beyond the shaded part of the guard band (params.guard_fraction) is
+                    undefined.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -349,6 +350,7 @@ typedef enum dgb_result {
     X(DIVISOR, "divisor must be 1, 2 or 4, no more than the smaller side, 1 for IMAGE and MULTICAST")            \
     X(EMISSION, "the backend does not offer this emission")                                                      \
     X(CLIP, "the backend cannot set a clip-space z range of 0 to 1")                                             \
+    X(DEEP_VIEWPORT, "the backend cannot give deeper layers a smaller viewport: divisor must be 1")              \
     X(SOURCE_OPTIONS, "layers of the engine's own take no oracle, emission or targets")                          \
     X(BACKEND_VERSION, "the backend was written for another version of deepgbuffer.h")                           \
     X(BACKEND_CALLBACK, "the backend lacks a required callback")                                                 \
@@ -2111,7 +2113,7 @@ static dgb_log_item dgbi_check_caps(const dgb_desc* d) {
     if (!d->backend || d->source == DGB_SOURCE_ENGINE) return DGB_LOG_NONE;
     if (d->emission && !d->backend->caps.emission[d->emission]) return DGB_LOG_EMISSION;
     if (d->clip == DGB_CLIP_ZERO_TO_ONE && !d->backend->caps.clip_zero_to_one) return DGB_LOG_CLIP;
-    if (d->divisor > 1 && !d->backend->caps.deep_viewport) return DGB_LOG_DIVISOR;
+    if (d->divisor > 1 && !d->backend->caps.deep_viewport) return DGB_LOG_DEEP_VIEWPORT;
     return DGB_LOG_NONE;
 }
 

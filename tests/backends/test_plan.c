@@ -1114,11 +1114,14 @@ static const struct {
     {"divisor 2 of 1 column", {.width = 1, .height = 48, .divisor = 2}, DGB_INVALID, DGB_LOG_DIVISOR},
     {"divisor 2 by image", {SIZE, .divisor = 2, .emission = DGB_EMISSION_IMAGE}, DGB_INVALID, DGB_LOG_DIVISOR},
     {"divisor 4 by multicast", {SIZE, .divisor = 4, .emission = DGB_EMISSION_MULTICAST}, DGB_INVALID, DGB_LOG_DIVISOR},
-    {"no viewport for divisor 2", {SIZE, .divisor = 2, .backend = &weak_device}, DGB_UNSUPPORTED, DGB_LOG_DIVISOR},
+    {"no viewport for divisor 2",
+     {SIZE, .divisor = 2, .backend = &weak_device},
+     DGB_UNSUPPORTED,
+     DGB_LOG_DEEP_VIEWPORT},
     {"no viewport for divisor 4, separate",
      {SIZE, .divisor = 4, .emission = DGB_EMISSION_SEPARATE, .backend = &no_viewports},
      DGB_UNSUPPORTED,
-     DGB_LOG_DIVISOR},
+     DGB_LOG_DEEP_VIEWPORT},
     {"instanced geometry not there",
      {SIZE, .emission = DGB_EMISSION_INSTANCED_GEOMETRY, .backend = &weak_device},
      DGB_UNSUPPORTED,
@@ -1210,9 +1213,10 @@ static void test_every_combination_has_its_verdict(void** state) {
 
 /* No reason that a plan can be refused for goes without a row in the table. */
 static void test_every_refusal_is_tried(void** state) {
-    static const dgb_log_item of_a_desc[] = {
-        DGB_LOG_SIZE, DGB_LOG_GUARD_BAND, DGB_LOG_LAYERS,        DGB_LOG_EFFECTS, DGB_LOG_TARGETS,       DGB_LOG_ENUM,
-        DGB_LOG_CLIP, DGB_LOG_EMISSION,   DGB_LOG_PEEL_EMISSION, DGB_LOG_DIVISOR, DGB_LOG_SOURCE_OPTIONS};
+    static const dgb_log_item of_a_desc[] = {DGB_LOG_SIZE,    DGB_LOG_GUARD_BAND,     DGB_LOG_LAYERS,
+                                             DGB_LOG_EFFECTS, DGB_LOG_TARGETS,        DGB_LOG_ENUM,
+                                             DGB_LOG_CLIP,    DGB_LOG_EMISSION,       DGB_LOG_PEEL_EMISSION,
+                                             DGB_LOG_DIVISOR, DGB_LOG_SOURCE_OPTIONS, DGB_LOG_DEEP_VIEWPORT};
     bool tried[DGB_LOG_COUNT] = {false};
     size_t i;
     (void)state;

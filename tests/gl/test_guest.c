@@ -295,7 +295,7 @@ static gl_session run_session(const dgb_desc* d, int fail_at) {
     gl_state_free(before);
     before = gl_state_take();
     objects = fixture_count_objects();
-    gl_faults_start(headless_get_proc, fail_at);
+    gl_faults_start(fixture_get_proc, fail_at);
     gl_session_run(&s);
     if (fixture_count_objects() != objects)
         fail_msg("%s fails: %d objects are left", gl_faults_failed(), fixture_count_objects() - objects);

@@ -16,6 +16,46 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
     printf("# GL message: %s\n", text);
 }
 
+/* The library leaves texels undefined that are not shaded, and reads none (test_guest.c), but tests look at whole buffers. With
+   DGB_CLEAR_TEXTURES set fresh ones are zero, as most drivers have them anyway (tests/gl/opinions.sh). Needs OpenGL 4.4. */
+static void clear_bound(GLenum binding, int levels) {
+    GLint name, level, type;
+    glGetIntegerv(binding, &name);
+    for (level = 0; level < levels; ++level) {
+        const GLenum target = binding == GL_TEXTURE_BINDING_2D ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY;
+        GLint depth;
+        glGetTexLevelParameteriv(target, level, GL_TEXTURE_DEPTH_SIZE, &depth);
+        glGetTexLevelParameteriv(target, level, GL_TEXTURE_RED_TYPE, &type);
+        glClearTexImage((GLuint)name, level,
+                        depth                     ? GL_DEPTH_COMPONENT
+                        : type == GL_UNSIGNED_INT ? GL_RGBA_INTEGER
+                                                  : GL_RGBA,
+                        type == GL_UNSIGNED_INT ? GL_UNSIGNED_INT : GL_FLOAT, NULL);
+    }
+}
+
+static void GLAPIENTRY cleared_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
+    glTexStorage2D(target, levels, format, width, height);
+    clear_bound(GL_TEXTURE_BINDING_2D, levels);
+}
+
+static void GLAPIENTRY cleared_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
+                                          GLsizei layers) {
+    glTexStorage3D(target, levels, format, width, height, layers);
+    clear_bound(GL_TEXTURE_BINDING_2D_ARRAY, levels);
+}
+
+void* fixture_get_proc(const char* name) {
+    const bool flat = strcmp(name, "glTexStorage2D") == 0, layered = strcmp(name, "glTexStorage3D") == 0;
+    PFNGLTEXSTORAGE2DPROC storage_2d = cleared_storage_2d;
+    PFNGLTEXSTORAGE3DPROC storage_3d = cleared_storage_3d;
+    void* address = headless_get_proc(name);
+    if (!getenv("DGB_CLEAR_TEXTURES") || epoxy_gl_version() < 44 || !epoxy_is_desktop_gl()) return address;
+    if (flat) memcpy(&address, &storage_2d, sizeof address);
+    if (layered) memcpy(&address, &storage_3d, sizeof address);
+    return address;
+}
+
 static void on_backend_message(void* user, const char* text) {
     (void)user;
     printf("# %s\n", text);
@@ -120,20 +160,40 @@ static void upload_scene(fixture* f) {
     glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
+/* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower (tests/gl/opinions.sh). */
+static void limit_version(int* major, int* minor) {
+    const char* text = getenv("DGB_GL_VERSION");
+    int limit[2];
+    if (!text || sscanf(text, "%d.%d", &limit[0], &limit[1]) != 2) return;
+    if (limit[0] * 10 + limit[1] >= *major * 10 + *minor) return;
+    *major = limit[0];
+    *minor = limit[1];
+}
+
+/* Who gives this opinion, once a program and kind of context. */
+static void print_context(bool es) {
+    static bool printed[2];
+    if (!printed[es])
+        printf("# context: %s, %s\n", (const char*)glGetString(GL_VERSION), (const char*)glGetString(GL_RENDERER));
+    printed[es] = true;
+}
+
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc) {
     dgbgl_desc d;
     char error[256] = "";
     memset(f, 0, sizeof *f);
+    if (!es) limit_version(&major, &minor);
     if (desc)
         d = *desc;
     else
         memset(&d, 0, sizeof d);
-    if (!d.get_proc) d.get_proc = headless_get_proc;
+    if (!d.get_proc) d.get_proc = fixture_get_proc;
     if (!d.message) d.message = on_backend_message;
     if (!headless_create(&f->window, major, minor, es, true, error, sizeof error)) {
         printf("# no context: %s\n", error);
         return 1;
     }
+    print_context(es);
     if (epoxy_has_gl_extension("GL_KHR_debug")) {
         glEnable(GL_DEBUG_OUTPUT);
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

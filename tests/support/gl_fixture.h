@@ -34,6 +34,9 @@ typedef struct fixture_view { /* where the camera is; `fixture_default_view` sta
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
 void fixture_close(fixture* f);
 
+/* headless_get_proc; with DGB_CLEAR_TEXTURES set in the environment fresh textures are zero. */
+void* fixture_get_proc(const char* name);
+
 /* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages, which
    stands last in its list. For files that include cmocka.h. */
 #define FIXTURE_CONTEXT(f, major, minor, es)               \
