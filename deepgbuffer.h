@@ -754,7 +754,8 @@ DGB_API float dgb_bent_cosine(const float bent[4]);
 DGB_API float dgb_ggx_alpha(float roughness);
 /* One of the microfacets that a viewer sees on a surface with unit normal n: GGX distribution of visible normals of width
    alpha, sampled with u in 0..1 (Heitz 2018, as the spherical cap of Dupuy and Benyoub 2023). v: unit, towards the eye.
-   dot(v, h) >= 0 always; h = n for alpha <= 0; where v is behind the surface, or something is not finite, h = v or +Z. */
+   dot(v, h) >= 0 always; h = n for alpha <= 0; where v is behind the surface, or v, n or alpha is not finite, h = v or
+   +Z. */
 DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, const float u[2], float h[3]);
 /* Density (1/sr) of the unit direction l in which such microfacets mirror v: D(h) G1(v) / (4 n.v), h halfway. Integrates to 1
    over all directions, those below the surface included. alpha <= 0, not finite, or l = -v: 0. */
