@@ -2319,14 +2319,14 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     return w;
 }
 
-/* One kind of texture of the layers: an array of the library's, or up to two of the engine's own. */
-static void dgbi_add_source(const dgb_desc* d, dgb_slot built, dgb_slot engine0, dgb_plan_pass* pass) {
+/* What is read of the first `layers` layers: the library's texture, or the engine's own, one a layer. */
+static void dgbi_add_source(const dgb_desc* d, dgb_slot built, dgb_slot engine0, int layers, dgb_plan_pass* pass) {
     if (d->source == DGB_SOURCE_BUILD) {
         dgbi_add_input(pass, built);
         return;
     }
     dgbi_add_input(pass, engine0);
-    if (d->layers > 1) dgbi_add_input(pass, (dgb_slot)(engine0 + 1));
+    if (layers > 1) dgbi_add_input(pass, (dgb_slot)(engine0 + 1));
 }
 
 static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radiance, int layers) {
@@ -2337,14 +2337,14 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
 }
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_plan_pass* pass) {
-    dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
-    if (w->back) dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_BACK : DGB_ENGINE_BACK);
+    dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, w->layers, pass);
+    if (w->back) dgbi_add_source(d, DGB_BACK, DGB_ENGINE_BACK, 1, pass);
     if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
-        dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
-    if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
+        dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, w->layers, pass);
+    if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, w->layers, pass);
     if (!w->bounces) return;
-    dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
-    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
+    dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, w->layers, pass);
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, w->layers, pass);
     dgbi_add_input(pass, DGB_LAST_Z);
     dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE, DGB_IRRADIANCE); /* not written again until the reconstruction */
     if (w->deep) dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1);
@@ -2486,10 +2486,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_LAST_Z);
-    if (d->source == DGB_SOURCE_BUILD || w->deep)
-        dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
-    else
-        dgbi_add_input(pass, DGB_ENGINE_VELOCITY0); /* the second layer's is not read */
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, w->deep ? 2 : 1, pass);
     dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
     if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
@@ -2563,11 +2560,6 @@ static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     }
 }
 
-/* Of the layer that mirrors, the first. */
-static void dgbi_add_roughness(const dgb_desc* d, dgb_plan_pass* pass) {
-    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_NORMAL : DGB_ENGINE_ROUGHNESS);
-}
-
 static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
     const dgb_slot reflection = w->glossy ? DGB_REFLECTION_RAW : DGB_REFLECTION;
@@ -2587,11 +2579,11 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
     if (d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_add_input(pass, DGB_RANGES);
     if (w->indirect) {
-        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
+        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, w->layers, pass);
         dgbi_add_input(pass, DGB_IRRADIANCE);
         if (w->deep) dgbi_add_input(pass, DGB_IRRADIANCE1);
     }
-    if (w->glossy) dgbi_add_roughness(d, pass);
+    if (w->glossy) dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_ROUGHNESS, 1, pass); /* of the layer that mirrors */
     dgbi_add_output(pass, reflection);
     dgbi_add_output(pass, DGB_REFLECTION_HIT);
 }
@@ -2608,7 +2600,7 @@ static void dgbi_plan_glossy(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
     dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
-    dgbi_add_roughness(d, pass);
+    dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_ROUGHNESS, 1, pass);
     dgbi_add_input(pass, DGB_REFLECTION_RAW);
     dgbi_add_input(pass, DGB_REFLECTION_HIT);
     dgbi_add_output(pass, DGB_REFLECTION);
@@ -2617,7 +2609,7 @@ static void dgbi_plan_glossy(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
     dgbi_add_texture(plan, DGB_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
     dgbi_add_texture(plan, DGB_LAST_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_LAST_Z);
-    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_VELOCITY : DGB_ENGINE_VELOCITY0);
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, 1, pass);
     dgbi_add_input(pass, DGB_LAST_REFLECTION);
     dgbi_add_input(pass, DGB_LAST_REFLECTION_FRAMES);
     dgbi_add_output(pass, DGB_REFLECTION_FRAMES);
