@@ -162,6 +162,11 @@ float dgb_pixels_per_metre(float z, dgb_camera camera) {
     return w > 0.0 ? camera.footprint.x / w : 0.0;
 }
 
+// Pixels that a radius (m) covers at depth z, `most` of them at most.
+float dgb_reach(float z, float radius, float most, dgb_camera camera) {
+    return min(dgb_pixels_per_metre(z, camera) * radius, most);
+}
+
 bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }
 
 // The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the

@@ -4,6 +4,9 @@
 const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history
 const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger
 
+// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.
+float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }
+
 struct dgb_reprojection {
     dgb_camera last;
     vec4       to_last[3]; // rows: from this frame's camera space to last frame's
