@@ -4,12 +4,12 @@
        #include "deepgbuffer.h"
        #include "deepgbuffer_gl.h"
    In the one file where DEEPGBUFFER_IMPLEMENTATION is defined, both headers are implemented.
-   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress and
-   eglGetProcAddress both fit).
+   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress
+   and eglGetProcAddress both fit).
 
    NEEDS     OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float (peeling only there).
-   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init (but for
-             dgbgl_draw_view).
+   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init
+             (dgbgl_draw_view excepted).
 
    START (with a context current)
        static dgbgl_backend gl;                             keep it as long as the dgb_context
@@ -22,7 +22,7 @@
        dgb_init(&dgb, &d);
 
    YOUR MATERIAL SHADERS
-       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows and names no version.
+       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows without one.
            uniform mat4 view, projection, model, previous_view, previous_projection, previous_model;      vertex shader
            in vec3 position, normal;  in vec2 uv;  out vec3 v_normal;  out vec2 v_uv;
            void main() {
@@ -39,36 +39,38 @@
                dgb_store(vec4(base.rgb, 1.0), v_normal, vec2(roughness, metallic), emission);
            }
        dgb_instance() replaces gl_InstanceID. Skinned vertices are skinned twice: now, and with last frame's bones.
-       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on under
-       another name, so list them for both functions:
+       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on
+       under another name, so list them for both functions:
            const dgbgl_varying varyings[] = {{NULL, "vec3", "v_normal"}, {NULL, "vec2", "v_uv"}};
        After linking, once: dgbgl_attach_program.
-       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances,
-       and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's main from one of its
-       own; do not call main yourself.
+       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by
+       draw->instances, and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's
+       main from one of its own; do not call main yourself.
 
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
-       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
-       mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip
-       control, program (even one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active
-       texture, textures and samplers of the units used, image units 0 to 4, pixel unpacking, query buffer.
+       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull,
+       polygon mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip
+       distances and clip control, program (even one deleted while in use), vertex array, uniform buffer and the one
+       indexed binding used, active texture, textures and samplers of the units used, image units 0 to 4, pixel
+       unpacking, query buffer.
        desc.keep_state = true skips all of it, and every glGet: then set your own.
-       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns only lines,
-       points and patches.
-       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours that are
-       active count what the library draws.
+       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns
+       only lines, points and patches.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours
+       that are active count what the library draws.
 
    ERRORS OF GL
-       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
-       does not count it against itself. What the driver refused in a call, out of memory or lost with its context, makes
-       dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for errors: do so yourself.
-       After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
+       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message
+       of it and does not count it against itself. What the driver refused in a call, out of memory or lost with its
+       context, makes dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for
+       errors: do so yourself. After a lost context shut everything down and start anew: the library waits for nothing
+       and calls nothing that is null.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback
-       the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding
-       (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
+       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw
+       callback the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding
+       desc.uniform_binding (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
    TO LOOK AT IT
        dgbgl_view_desc v = {0};
@@ -107,7 +109,7 @@ extern "C" {
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
-/* Compiler and linker messages with the pass they belong to; what the driver lacks; errors of GL that are the engine's. */
+/* Compiler and linker messages with the pass they belong to; what the driver lacks; GL errors that the engine left. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
 typedef struct dgbgl_desc {     /* 0 means default */
@@ -289,9 +291,9 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     dgbgl_state state;
 } dgbgl_backend;
 
-/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or with a
-   unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point
-   is missing or an object cannot be made; *gl is then zero. */
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or
+   with a unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when
+   an entry point is missing or an object cannot be made; *gl is then zero. */
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
 /* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
@@ -301,17 +303,17 @@ DGB_API dgb_texture dgbgl_texture(unsigned int name);
 /* GL name of a handle. Layer textures are GL_TEXTURE_2D_ARRAY, all others GL_TEXTURE_2D. */
 DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
 
-/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
-   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context, and,
-   with a message, for a varying that is not as dgbgl_varying says.
+/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at
+   most `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead
+   context, and, with a message, for a varying that is not as dgbgl_varying says.
    `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
 DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
                                    int count, char* text, size_t capacity);
 /* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity);
-/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID for
-   what is no program or not linked. */
+/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID
+   for what is no program or not linked. */
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
 
 typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions with */
@@ -324,19 +326,20 @@ typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions w
     int frames; /* timed for each emission; 0: 8 */
 } dgbgl_calibration;
 
-/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two glFinish,
-   and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle becomes PEEL,
-   which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may be null): the least
-   time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
-   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared; *desc
-   is then untouched. */
+/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two
+   glFinish, and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle
+   becomes PEEL, which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may
+   be null): the least time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
+   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared;
+   *desc is then untouched. */
 DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
                                    double milliseconds[DGB_EMISSION_COUNT]);
 
-/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the library found
-   with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of dgb_bent_direction(bent, normal),
-   dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the light of a prefiltered cube map from where a
-   point is open: put it into the shader that composites, after #version. As snprintf. */
+/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the
+   library found with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of
+   dgb_bent_direction(bent, normal), dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the
+   light of a prefiltered cube map from where a point is open: put it into the shader that composites, after #version.
+   As snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* What dgbgl_draw_view can show. X(name, word, slot, legend); those up to VALIDITY are of one layer. */
@@ -372,9 +375,9 @@ typedef struct dgbgl_view_desc { /* 0 means default */
     unsigned int texture;    /* LIGHT: a GL_TEXTURE_2D of the image's size */
 } dgbgl_view_desc;
 
-/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB values, within the
-   scissor if that test is on. All other state is kept. The first call compiles a program. A texture that changes places with last
-   frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
+/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB
+   values, within the scissor if that test is on. All other state is kept. The first call compiles a program. A texture
+   that changes places with last frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
    DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments;
    DGB_OUT_OF_MEMORY or DGB_DEVICE where the driver refuses. */
 DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view);
@@ -579,14 +582,14 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return w > 0.0 ? camera.footprint.x / w : 0.0;\n"
     "}\n"
     "\n"
-    "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
-    "\n"
-    "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// Pixels that a radius (m) covers at depth z, `most` of them at most.\n"
     "float dgb_reach(float z, float radius, float most, dgb_camera camera) {\n"
     "    return min(dgb_pixels_per_metre(z, camera) * radius, most);\n"
     "}\n"
     "\n"
+    "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
+    "\n"
+    "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// passes guarantee; dgb_ao_term below takes anything.\n"
     "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float d2 = dot(v, v);\n"
@@ -1070,12 +1073,12 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history\n"
     "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
     "\n"
-    "struct dgb_reprojection {\n"
-    "    dgb_camera last;\n"
-    "    vec4       to_last[3]; // rows: from this frame's camera space to last frame's\n"
     "// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.\n"
     "float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }\n"
     "\n"
+    "struct dgb_reprojection {\n"
+    "    dgb_camera last;\n"
+    "    vec4       to_last[3]; // rows: from this frame's camera space to last frame's\n"
     "    vec4       tolerance;  // share of the distance, least (m), 1 if last frame is of use, 0 if nothing has moved since\n"
     "    ivec4      rect;       // shaded last frame: x0, y0, x1, y1, the last two inclusive\n"
     "};\n"
@@ -2130,10 +2133,10 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "layout(location = 1) out vec4 dgb_out_bent;\n"
     "#endif\n"
     "\n"
+    "// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.\n"
     "struct dgb_history {\n"
     "    float moved; // pixels since last frame\n"
     "    vec4  irradiance;\n"
-    "// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.\n"
     "    float frames, share;\n"
     "    float visibility, visibility_frames, visibility_share;\n"
     "    vec4  bent; // with the visibility's frames and share\n"
@@ -3374,8 +3377,8 @@ static const char* dgbgli_error_name(unsigned int error) {
     return i < sizeof names / sizeof names[0] ? names[i] : "an unknown GL error";
 }
 
-/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports for ever
-   is no error of one call, and a lost context may do so. */
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports
+   for ever is no error of one call, and a lost context may do so. */
 static void dgbgli_drain_errors(const dgbgl_backend* b, const char* where) {
     unsigned int error = 0;
     int i;
@@ -3403,8 +3406,8 @@ static dgb_result dgbgli_no_object(const dgbgl_backend* b) {
 
 /* >> state: what a pass may change is saved at begin and put back at end */
 
-/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and scissor
-   are kept for each buffer and viewport. */
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and
+   scissor are kept for each buffer and viewport. */
 static const struct {
     unsigned int name;
     int since;    /* desktop version */
@@ -4442,8 +4445,8 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     return false;
 }
 
-/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers them,
-   or by which extension of OpenGL. */
+/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers
+   them, or by which extension of OpenGL. */
 #define DGBGLI_OFFERS(X)                                  \
     X(IsEnabledi, 330, 320, NULL)                         \
     X(Enablei, 330, 320, NULL)                            \
@@ -4476,8 +4479,8 @@ static bool dgbgli_offers(const dgbgl_backend* b, int since, int since_es, const
     return (since != 0 && b->version >= since) || (extension && dgbgli_has_extension(b, extension));
 }
 
-/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer must have
-   one. */
+/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer
+   must have one. */
 static bool dgbgli_settle_optional(dgbgl_backend* b) {
     const char* missing = NULL;
 #define DGBGLI_SETTLE(name, since, since_es, extension) \
@@ -4500,7 +4503,7 @@ static const char* dgbgli_layer_extension(const dgbgl_backend* b) {
     return NULL;
 }
 
-/* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
+/* Rasterisers known to run the fragments of a pixel one after the other: there compare and store are safe. */
 static bool dgbgli_in_order(const dgbgl_backend* b) {
     const char* renderer = (const char*)b->gl.GetString(DGBGLI_RENDERER);
     return renderer && strstr(renderer, "llvmpipe") != NULL;
