@@ -441,7 +441,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option("--slices", overrides->slices, "planes that share the taps of the bitmask (default 1)")
         ->check(between(1, DGB_MAX_SLICES, "1 to 8"));
     app->add_option("--thickness", overrides->thickness,
-                    "how far behind its surface an object hides from the bitmask, m (default 0.25)")
+                    "how far behind its surface an object hides from the bitmask, m (default 0.5)")
         ->check(positive());
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));
