@@ -176,7 +176,16 @@ static void evaluate(const char* expression, int texels) {
 
 /* >> inputs */
 
-static uint64_t random_state = 1u;
+static uint64_t random_state;
+
+/* Before each test: its cases are the same whichever tests ran before. */
+static int seed(void** state) {
+    (void)state;
+    random_state = 1u;
+    return 0;
+}
+
+#define TWIN(test) cmocka_unit_test_setup(test, seed)
 
 static uint32_t random_bits(void) { /* splitmix64 */
     uint64_t z = random_state += 0x9e3779b97f4a7c15u;
@@ -242,6 +251,13 @@ static bool has_subnormal(const float* values, int count) {
     for (k = 0; k < count; ++k)
         if (is_subnormal(values[k])) return true;
     return false;
+}
+
+/* Of a vector that is not zero v.v is subnormal or zero, or may be where each square is flushed: then a device finds no
+   length, or one that is too short, and what is divided by it is anything. No surfaces are 1e-19 m apart. */
+static bool square_underflows(const float v[3]) {
+    const float d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    return d2 < 4.0f * FLT_MIN && (v[0] != 0.0f || v[1] != 0.0f || v[2] != 0.0f);
 }
 
 /* >> comparison: the device may flush subnormals, nothing else is forgiven */
@@ -598,7 +614,8 @@ static void test_offset(void** state) {
     int i, k, nonzero = 0;
     (void)state;
     for (i = 0; i < CASES; ++i) {
-        const float origin[2] = {(float)(i % SIDE) + 0.5f, (float)(i / SIDE) + 0.5f};
+        const int column = i % SIDE, row = i / SIDE;
+        const float origin[2] = {(float)column + 0.5f, (float)row + 0.5f};
         const float away = i % 3 ? 9.0f : 1408.0f;
         dgb_camera camera;
         give_camera(i, &camera);
@@ -730,7 +747,8 @@ static void test_gather_term(void** state) {
     }
     evaluate("bits(dgb_gather_term(given(0).xyz, given(1).xyz, given(2).x))", 3);
     for (i = 0; i < CASES; ++i)
-        compare(&t, device_float(i, 0), dgb_gather_term(in[i][0], in[i][1], none, in[i][2][0], false), 1.0);
+        if (!square_underflows(in[i][0]))
+            compare(&t, device_float(i, 0), dgb_gather_term(in[i][0], in[i][1], none, in[i][2][0], false), 1.0);
     check(&t, 1e-6);
 }
 
@@ -785,8 +803,9 @@ static void test_bilateral_weight(void** state) {
     }
     evaluate("bits(dgb_bilateral_weight(given(1).xyz, given(2).xyz, given(0).xyz, given(3).x, given(3).y))", 4);
     for (i = 0; i < CASES; ++i)
-        compare(&t, device_float(i, 0), dgb_bilateral_weight(in[i][1], in[i][2], in[i][0], in[i][3][0], in[i][3][1]),
-                1.0);
+        if (!square_underflows(in[i][0]))
+            compare(&t, device_float(i, 0),
+                    dgb_bilateral_weight(in[i][1], in[i][2], in[i][0], in[i][3][0], in[i][3][1]), 1.0);
     check(&t, 3e-6);
 }
 
@@ -998,7 +1017,8 @@ static void test_sectors(void** state) {
     check_equal("sectors", mismatches, 0);
 }
 
-/* Newton's steps end within what sines of the device differ, over how fast the share grows there: at its ends, not at all. */
+/* Newton's steps end within what sines of the device differ, over how fast the share grows there: at its ends, not at
+   all. */
 static void test_directions(void** state) {
     tally angles = tally_of("slice, share's angle"), sums = tally_of("slice sum"), means = tally_of("sectors mean");
     int i, k;
@@ -1054,37 +1074,37 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oct16_encode),
-        cmocka_unit_test(test_oct16_decode),
-        cmocka_unit_test(test_storable),
-        cmocka_unit_test(test_r11g11b10f_store),
-        cmocka_unit_test(test_half_store),
-        cmocka_unit_test(test_pixel_hash),
-        cmocka_unit_test(test_mip_level),
-        cmocka_unit_test(test_mip_source),
-        cmocka_unit_test(test_depth_code),
-        cmocka_unit_test(test_linear_z),
-        cmocka_unit_test(test_position),
-        cmocka_unit_test(test_pixels_per_metre),
-        cmocka_unit_test(test_keep_test),
-        cmocka_unit_test(test_ao_term),
-        cmocka_unit_test(test_ambient_visibility),
-        cmocka_unit_test(test_gather_term),
-        cmocka_unit_test(test_gather_scale),
-        cmocka_unit_test(test_boost),
-        cmocka_unit_test(test_bilateral_weight),
-        cmocka_unit_test(test_tap_placement),
-        cmocka_unit_test(test_pixel_pair),
-        cmocka_unit_test(test_pixel_quad),
-        cmocka_unit_test(test_ggx_alpha),
-        cmocka_unit_test(test_ggx_normal),
-        cmocka_unit_test(test_ggx_density),
-        cmocka_unit_test(test_offset),
-        cmocka_unit_test(test_arc_sine),
-        cmocka_unit_test(test_slice),
-        cmocka_unit_test(test_sectors),
-        cmocka_unit_test(test_directions),
-        cmocka_unit_test(test_bent_cosine),
+        TWIN(test_oct16_encode),
+        TWIN(test_oct16_decode),
+        TWIN(test_storable),
+        TWIN(test_r11g11b10f_store),
+        TWIN(test_half_store),
+        TWIN(test_pixel_hash),
+        TWIN(test_mip_level),
+        TWIN(test_mip_source),
+        TWIN(test_depth_code),
+        TWIN(test_linear_z),
+        TWIN(test_position),
+        TWIN(test_pixels_per_metre),
+        TWIN(test_keep_test),
+        TWIN(test_ao_term),
+        TWIN(test_ambient_visibility),
+        TWIN(test_gather_term),
+        TWIN(test_gather_scale),
+        TWIN(test_boost),
+        TWIN(test_bilateral_weight),
+        TWIN(test_tap_placement),
+        TWIN(test_pixel_pair),
+        TWIN(test_pixel_quad),
+        TWIN(test_ggx_alpha),
+        TWIN(test_ggx_normal),
+        TWIN(test_ggx_density),
+        TWIN(test_offset),
+        TWIN(test_arc_sine),
+        TWIN(test_slice),
+        TWIN(test_sectors),
+        TWIN(test_directions),
+        TWIN(test_bent_cosine),
         cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
