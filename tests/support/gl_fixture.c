@@ -1,4 +1,5 @@
 #include "gl_fixture.h"
+#include "gl_faults.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,33 +17,18 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
     printf("# GL message: %s\n", text);
 }
 
-/* The library leaves texels undefined that are not shaded, and reads none (test_guest.c), but tests look at whole buffers. With
-   DGB_CLEAR_TEXTURES set fresh ones are zero, as most drivers have them anyway (tests/gl/opinions.sh). Needs OpenGL 4.4. */
-static void clear_bound(GLenum binding, int levels) {
-    GLint name, level, type;
-    glGetIntegerv(binding, &name);
-    for (level = 0; level < levels; ++level) {
-        const GLenum target = binding == GL_TEXTURE_BINDING_2D ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY;
-        GLint depth;
-        glGetTexLevelParameteriv(target, level, GL_TEXTURE_DEPTH_SIZE, &depth);
-        glGetTexLevelParameteriv(target, level, GL_TEXTURE_RED_TYPE, &type);
-        glClearTexImage((GLuint)name, level,
-                        depth                     ? GL_DEPTH_COMPONENT
-                        : type == GL_UNSIGNED_INT ? GL_RGBA_INTEGER
-                                                  : GL_RGBA,
-                        type == GL_UNSIGNED_INT ? GL_UNSIGNED_INT : GL_FLOAT, NULL);
-    }
-}
-
+/* The library leaves texels undefined that are not shaded, and reads none (test_guest.c), but tests look at whole
+   buffers. With DGB_CLEAR_TEXTURES set fresh ones are zero, as most drivers have them anyway (tests/gl/opinions.sh).
+   Needs OpenGL 4.4. */
 static void GLAPIENTRY cleared_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
     glTexStorage2D(target, levels, format, width, height);
-    clear_bound(GL_TEXTURE_BINDING_2D, levels);
+    gl_faults_fill(headless_get_proc, target, levels, format, false);
 }
 
 static void GLAPIENTRY cleared_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
                                           GLsizei layers) {
     glTexStorage3D(target, levels, format, width, height, layers);
-    clear_bound(GL_TEXTURE_BINDING_2D_ARRAY, levels);
+    gl_faults_fill(headless_get_proc, target, levels, format, false);
 }
 
 void* fixture_get_proc(const char* name) {
@@ -160,7 +146,8 @@ static void upload_scene(fixture* f) {
     glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-/* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower (tests/gl/opinions.sh). */
+/* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower
+   (tests/gl/opinions.sh). */
 static void limit_version(int* major, int* minor) {
     const char* text = getenv("DGB_GL_VERSION");
     int limit[2];
@@ -224,6 +211,7 @@ fixture_view fixture_default_view(void) {
     v.fov = 60.0f;
     v.near_plane = 0.1f;
     v.far_plane = 60.0f;
+    v.scale = 1.0f;
     return v;
 }
 
@@ -245,7 +233,7 @@ static void view_matrix(const fixture_view* v, float m[16]) {
 static void projection_matrix(const fixture_view* v, float aspect, float m[16]) {
     const double low = v->clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0;
     const double at_near = v->reversed ? 1.0 : low, at_far = v->reversed ? low : 1.0;
-    const double n = v->near_plane, f = v->far_plane;
+    const double n = (double)(v->near_plane * v->scale), f = (double)(v->far_plane * v->scale);
     memset(m, 0, sizeof(float) * 16);
     if (v->fov > 0.0f) {
         const double scale = 1.0 / tan(v->fov * 3.14159265358979 / 360.0);
@@ -265,11 +253,26 @@ static void projection_matrix(const fixture_view* v, float aspect, float m[16]) 
 
 dgb_view fixture_dgb_view(const fixture_view* v, int width, int height) {
     dgb_view view;
+    int i;
     memset(&view, 0, sizeof view);
     view_matrix(v, view.view);
+    for (i = 0; i < 15; ++i) view.view[i] *= v->scale;
     projection_matrix(v, (float)width / (float)height, view.projection);
     memcpy(view.jitter, v->jitter, sizeof view.jitter);
     return view;
+}
+
+dgb_desc fixture_desc(const fixture* f, const fixture_view* v, int width, int height, int guard_band) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = width;
+    d.height = height;
+    d.guard_band = guard_band;
+    d.clip = v->clip;
+    d.reversed = v->reversed;
+    d.backend = &f->gl.backend;
+    d.log = fixture_log;
+    return d;
 }
 
 /* >> drawing */
@@ -410,6 +413,38 @@ float* fixture_read(dgb_texture texture, int level, int layer, int width, int he
     glBindTexture(target, 0);
     if (layers) memmove(all, all + image * (size_t)layer, image * sizeof(float));
     return all;
+}
+
+static const GLenum formats[] = {0, GL_RED, GL_RG, GL_RGB, GL_RGBA}; /* by channels */
+
+float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels) {
+    const dgb_texture texture = dgb_get_texture(c, slot);
+    if (!texture.id) return NULL;
+    return fixture_read(texture, level, 0, c->plan.width >> level, c->plan.height >> level, 0, formats[channels],
+                        channels);
+}
+
+float* fixture_z(const dgb_context* c, int level) {
+    const int layers = c->plan.layers < DGB_MAX_SHADED_LAYERS ? c->plan.layers : DGB_MAX_SHADED_LAYERS;
+    const int count = layers * (c->plan.width >> level) * (c->plan.height >> level);
+    float* z = fixture_image(c, DGB_Z, level, layers);
+    int i;
+    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
+    return z;
+}
+
+void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const float* texels) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(c, slot)));
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, c->plan.width, c->plan.height, formats[channels], GL_FLOAT, texels);
+    glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
+    const int inset = c->desc.guard_band - (int)floor((double)q->guard_fraction * c->desc.guard_band + 0.5);
+    rect[0] = rect[1] = inset;
+    rect[2] = c->plan.width - inset - 1;
+    rect[3] = c->plan.height - inset - 1;
 }
 
 /* A number of 6 bits of exponent and 10 of mantissa. */
