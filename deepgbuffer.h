@@ -340,8 +340,8 @@ extern "C" {
 #define DGB_GATHER_LOG2_Q 4               /* radiosity taps within 2^4 = 16 pixels read level 0 */
 #define DGB_MAX_TARGETS 4                 /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14                 /* textures read by one pass */
-#define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 19
+#define DGB_MAX_DEFINES 8                 /* of one program */
+#define DGB_MAX_PROGRAMS 19               /* of one plan, like the next two */
 #define DGB_MAX_PASSES 28
 #define DGB_MAX_TEXTURES 45
 
@@ -850,8 +850,9 @@ typedef enum dgb_preset_id {
     DGB_PRESET_COUNT
 } dgb_preset_id;
 
-/* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): scale these
-   three to your scene.
+/* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): set these
+   three to your scene; where its unit is not the metre, scale history_floor, thickness, reflect_distance and
+   reflect_thickness as well.
                      N    filter taps   normal test   min level   guard band shaded
        PERFORMANCE   13        9            no            3              10 %
        BALANCED      14       11            yes           2              50 %
@@ -1077,7 +1078,7 @@ typedef struct dgb_plan_input {
 typedef struct dgb_plan_pass {
     dgb_pass_id id;
     int level;   /* MIP, RANGE: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
-    int program; /* index into programs; -1 for LAYERS */
+    int program; /* index into programs; -1 where your draw callback draws: LAYERS, BACK, PREDICT */
     int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
     dgb_slot outputs[DGB_MAX_TARGETS];

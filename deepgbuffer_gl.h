@@ -352,7 +352,7 @@ DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
     X(VALIDITY, "validity", DGB_DEPTH, "cyan: the layer has a surface; red: had one, too near to the first")      \
     X(AO, "ao", DGB_AO, "ambient visibility: 1 is open")                                                          \
     X(IRRADIANCE, "irradiance", DGB_IRRADIANCE, "bounced light as white paper would show it")                     \
-    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "share of taps that found a sender of light")                     \
+    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "how far light is known: black not at all")                       \
     X(HISTORY, "history", DGB_FRAMES, "frames averaged: black none, red few, white as many as count")             \
     X(REFLECTION, "reflection", DGB_REFLECTION, "what a mirror or lobe shows, by its confidence")                 \
     X(REFLECTION_LAYER, "reflection_layer", DGB_REFLECTION_HIT,                                                   \
@@ -384,11 +384,13 @@ DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_
 DGB_API const char* dgbgl_view_name(dgbgl_view view);   /* "reflection_layer"; "?" out of range, here and below */
 DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean */
 
-/* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
+/* Text of a full-screen pass, for inspection and offline compilers. program: of a plan, null: 0. version: as
+   dgbgl_backend.version. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
                                  size_t capacity);
 
-/* Time of a pass two frames ago on the GPU's clock. false: no timers here, or no result yet. Never waits. */
+/* Time of a pass two frames ago on the GPU's clock, all of its steps. false, *milliseconds untouched: no timers here, no
+   result yet, or null or a pass out of range. Never waits. */
 DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds);
 
 #ifdef __cplusplus
