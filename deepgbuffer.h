@@ -1235,6 +1235,7 @@ extern "C" {
 /* >> numbers: every test of a float is a test of its bits, so that -ffast-math cannot remove it */
 
 #define DGBI_PI 3.14159265358979323846
+#define DGBI_COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
 static uint32_t dgbi_bits(float x) {
     uint32_t u;
@@ -1947,8 +1948,6 @@ static const dgbi_mirror_budget dgbi_reflect_budget[] = {
 /* budget: end */
 /* clang-format on */
 
-#define DGBI_COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
-
 /* The last row that costs no more; the first if all do. */
 static const dgbi_budget* dgbi_afford(const dgbi_budget* rows, int count, float budget) {
     int i = 0;
@@ -2307,11 +2306,11 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
     dgb_plan_pass* pass;
-    size_t i;
+    int i;
     if (d->oracle == DGB_ORACLE_WARP && d->layers > 1) dgbi_plan_warp(plan);
     pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
     dgbi_add_texture(plan, DGB_DEPTH, d->depth_format, d->layers, 1);
-    for (i = 0; i < sizeof colors / sizeof colors[0]; ++i)
+    for (i = 0; i < DGBI_COUNT(colors); ++i)
         if (d->targets & colors[i].target) {
             dgbi_add_texture(plan, colors[i].slot, colors[i].format, d->layers, 1);
             dgbi_add_output(pass, colors[i].slot);
@@ -2998,29 +2997,35 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
     return NULL;
 }
 
+/* Writes one layer of depth, so many texels of it, with a full-screen triangle: WARP, RESOLVE. */
+static void dgbi_write_depth(dgb_context* c, const dgb_plan_pass* plan_pass, dgb_target target, int width, int height,
+                             const void* uniforms, size_t size) {
+    dgb_pass pass;
+    memset(&pass, 0, sizeof pass);
+    pass.id = plan_pass->id;
+    pass.depth = target;
+    pass.width = (float)width;
+    pass.height = (float)height;
+    pass.clip = c->desc.clip;
+    if (!dgbi_pass_begins(c, &pass)) return;
+    dgbi_bind_inputs(c, plan_pass);
+    c->backend.uniforms_upload(c->backend.user, uniforms, size);
+    c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
+    c->backend.pass_end(c->backend.user);
+}
+
 /* IMAGE emission: the depth bits of each deeper layer become its depth. Layers that were peeled have it already. */
 static void dgbi_resolve(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
-    dgb_pass pass;
-    dgb_resolve_uniforms uniforms;
-    int layer;
+    dgb_target target = {{0}, 0, 1};
+    dgb_resolve_uniforms u;
     if (b->emission != DGB_EMISSION_IMAGE || b->oracle == DGB_ORACLE_PEEL || b->layers == 1) return;
-    memset(&uniforms, 0, sizeof uniforms);
+    memset(&u, 0, sizeof u);
+    target.texture = c->textures[b->depth];
     dgbi_marker(c, DGB_PASS_RESOLVE, true);
-    for (layer = 1; layer < b->layers; ++layer) {
-        memset(&pass, 0, sizeof pass);
-        pass.id = DGB_PASS_RESOLVE;
-        pass.depth.texture = c->textures[b->depth];
-        pass.depth.layer = layer;
-        pass.width = (float)c->plan.width;
-        pass.height = (float)c->plan.height;
-        pass.clip = c->desc.clip;
-        if (!dgbi_pass_begins(c, &pass)) break;
-        dgbi_bind_inputs(c, plan_pass);
-        uniforms.layer[0] = layer - 1;
-        c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
-        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
-        c->backend.pass_end(c->backend.user);
+    for (; target.layer < b->layers; ++target.layer) {
+        u.layer[0] = target.layer - 1;
+        dgbi_write_depth(c, plan_pass, target, c->plan.width, c->plan.height, &u, sizeof u);
     }
     dgbi_marker(c, DGB_PASS_RESOLVE, false);
 }
@@ -3047,7 +3052,14 @@ static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
     c->textures[b] = texture;
 }
 
-/* The inverse of an affine matrix, in double; false when it is singular. */
+/* Affine matrices in double: columns of three rows, then the translation. */
+static void dgbi_affine(const float m[16], double affine[12]) {
+    int row, column;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)m[column * 4 + row];
+}
+
+/* False when the matrix is singular. */
 static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
     const double a = m[0], b = m[4], c = m[8], d = m[1], e = m[5], f = m[9], g = m[2], h = m[6], i = m[10];
     const double cofactors[9] = {e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g,
@@ -3062,7 +3074,7 @@ static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
     return true;
 }
 
-/* product = m inverse, both affine: columns of three rows, then the translation. */
+/* product = m n */
 static void dgbi_multiply_affine(const double m[12], const double n[12], double product[12]) {
     int row, column;
     for (column = 0; column < 4; ++column)
@@ -3077,8 +3089,7 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     int row, column;
     memcpy(next, now, sizeof(float) * 16);
     if (!dgbi_invert_affine(before, inverse)) return;
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)now[column * 4 + row];
+    dgbi_affine(now, affine);
     dgbi_multiply_affine(affine, inverse, step);
     dgbi_multiply_affine(step, affine, result);
     for (column = 0; column < 4; ++column)
@@ -3091,8 +3102,7 @@ static void dgbi_to_last(const float now[16], const float last[16], float rows[3
     double inverse[12], affine[12], change[12];
     bool valid = !dgbi_same_bits(now, last, 16) && dgbi_invert_affine(now, inverse);
     int row, column, i;
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)last[column * 4 + row];
+    dgbi_affine(last, affine);
     if (valid) dgbi_multiply_affine(affine, inverse, change);
     for (i = 0; valid && i < 12; ++i) valid = dgbi_is_finite((float)change[i]);
     for (column = 0; column < 4; ++column)
@@ -3104,32 +3114,23 @@ static void dgbi_to_last(const float now[16], const float last[16], float rows[3
 static void dgbi_warp(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_WARP);
     const int width = c->plan.width, height = c->plan.height;
+    dgb_target target = {{0}, 0, 0};
     dgb_warp_uniforms u;
-    dgb_pass pass;
     if (!plan_pass || b->oracle == DGB_ORACLE_PEEL) return;
     memset(&u, 0, sizeof u);
+    target.texture = c->textures[DGB_ORACLE];
     u.camera = b->camera;
     u.last = c->camera;
     u.depth[0] = dgbi_depth_codes(c->desc.depth_format);
     dgbi_to_last(b->pose.view, c->drawn.view, u.to_last);
     dgbi_marker(c, DGB_PASS_WARP, true);
-    for (u.layer[0] = 0; u.layer[0] < b->layers - 1; ++u.layer[0]) {
-        const int divisor = u.layer[0] ? c->desc.divisor : 1;
-        memset(&pass, 0, sizeof pass);
-        pass.id = DGB_PASS_WARP;
-        pass.depth.texture = c->textures[DGB_ORACLE];
-        pass.depth.layer = u.layer[0];
-        pass.width = (float)dgbi_units(width, divisor);
-        pass.height = (float)dgbi_units(height, divisor);
-        pass.clip = c->desc.clip;
+    for (; target.layer < b->layers - 1; ++target.layer) {
+        const int divisor = target.layer ? c->desc.divisor : 1;
+        u.layer[0] = target.layer;
         u.layer[1] = divisor;
         u.layer[2] = dgbi_units(2 * width - divisor, 2 * divisor) - 1; /* whose centre lies within the buffer */
         u.layer[3] = dgbi_units(2 * height - divisor, 2 * divisor) - 1;
-        if (!dgbi_pass_begins(c, &pass)) break;
-        dgbi_bind_inputs(c, plan_pass);
-        c->backend.uniforms_upload(c->backend.user, &u, sizeof u);
-        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
-        c->backend.pass_end(c->backend.user);
+        dgbi_write_depth(c, plan_pass, target, dgbi_units(width, divisor), dgbi_units(height, divisor), &u, sizeof u);
     }
     dgbi_marker(c, DGB_PASS_WARP, false);
 }
@@ -3269,7 +3270,7 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers) {
     dgb_log_item item = DGB_LOG_NONE;
     dgb_texture textures[DGB_SLOT_COUNT];
-    float projection[16];
+    dgb_pose pose;
     dgb_camera camera;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!view || !layers) item = DGB_LOG_NULL_ARGUMENT;
@@ -3278,14 +3279,10 @@ DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, co
     memcpy(textures, context->textures, sizeof textures);
     if (item == DGB_LOG_NONE && !dgbi_take_layers(&context->plan, layers, textures)) item = DGB_LOG_INPUT;
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
-    dgb_widen_projection(view->projection, context->desc.width, context->desc.height, context->desc.guard_band,
-                         view->jitter, projection);
-    if (dgb_camera_from_matrix(projection, context->plan.width, context->plan.height, context->desc.clip,
-                               context->desc.reversed, &camera))
-        return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+    dgbi_submitted_pose(context, view, &pose);
+    if (dgbi_camera_of(context, &pose, &camera)) return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
     memcpy(context->textures, textures, sizeof textures);
-    memcpy(context->drawn.view, view->view, sizeof context->drawn.view);
-    memcpy(context->drawn.projection, projection, sizeof projection);
+    context->drawn = pose;
     context->camera = camera;
     dgbi_new_layers(context, view->cut);
     return DGB_OK;
@@ -3301,13 +3298,25 @@ static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect
     rect[3] = c->plan.height - 2 * inset;
 }
 
-static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t inclusive[4]) {
-    int rect[4];
-    dgbi_shaded_rect(c, q, rect);
+/* The image, for nothing reads reflections in the guard band. x, y, width, height. */
+static void dgbi_image_rect(const dgb_context* c, int rect[4]) {
+    rect[0] = rect[1] = c->desc.guard_band;
+    rect[2] = c->desc.width;
+    rect[3] = c->desc.height;
+}
+
+/* As shaders have it: x0, y0, x1, y1, the last two inclusive. */
+static void dgbi_inclusive(const int rect[4], int32_t inclusive[4]) {
     inclusive[0] = rect[0];
     inclusive[1] = rect[1];
     inclusive[2] = rect[0] + rect[2] - 1;
     inclusive[3] = rect[1] + rect[3] - 1;
+}
+
+static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t inclusive[4]) {
+    int rect[4];
+    dgbi_shaded_rect(c, q, rect);
+    dgbi_inclusive(rect, inclusive);
 }
 
 /* usable: whether last frame is worth looking at. Layers that are shaded again have not moved. */
@@ -3500,13 +3509,6 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
         dgbi_log2_ceil(DGB_CELL_SIZE) + dgbi_range_levels(&c->plan) - 1 - u->skip[1]; /* of the coarsest cell */
 }
 
-/* Nothing reads reflections in the guard band. x, y, width, height. */
-static void dgbi_image_rect(const dgb_context* c, int rect[4]) {
-    rect[0] = rect[1] = c->desc.guard_band;
-    rect[2] = c->desc.width;
-    rect[3] = c->desc.height;
-}
-
 static void dgbi_glossy_uniforms(const dgb_context* c, const dgb_params* q, dgb_glossy_uniforms* u) {
     const bool usable = c->has_history && dgbi_same_reflection(q, &c->shaded_params);
     int32_t size[4];
@@ -3514,10 +3516,7 @@ static void dgbi_glossy_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_image_rect(c, rect);
-    u->rect[0] = rect[0];
-    u->rect[1] = rect[1];
-    u->rect[2] = rect[0] + rect[2] - 1;
-    u->rect[3] = rect[1] + rect[3] - 1;
+    dgbi_inclusive(rect, u->rect);
     dgbi_fill_size(c, q, q->glossy_taps, size);
     u->size[0] = q->glossy_taps;
     u->size[1] = size[3];
@@ -3644,14 +3643,14 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
     if (context->built - context->shaded > 1u) context->has_history = false; /* velocities reach back one frame only */
-    for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
+    for (i = 0; i < DGBI_COUNT(turns); ++i)
         if (context->textures[turns[i][1]].id) dgbi_swap(context, turns[i][0], turns[i][1]);
     dgbi_begin_drawing(context);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
         if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
         if (pass->id == DGB_PASS_TILES && !params->adaptive) continue;
-        if (pass[-(i > 0)].id != pass->id || i == 0) dgbi_marker(context, pass->id, true);
+        if (i == 0 || pass[-1].id != pass->id) dgbi_marker(context, pass->id, true);
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
     }
