@@ -3129,12 +3129,15 @@ static const char* const dgbgli_glsl_view[] = { /* 75_view.glsl */
 /* >> GL values */
 
 enum {
+    DGBGLI_ALL_BARRIER_BITS = -1,
     DGBGLI_FALSE = 0,
+    DGBGLI_NONE = 0,
     DGBGLI_TRUE = 1,
     DGBGLI_TRIANGLES = 0x0004,
     DGBGLI_LESS = 0x0201,
     DGBGLI_GREATER = 0x0204,
     DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_FRONT_AND_BACK = 0x0408,
     DGBGLI_INVALID_ENUM = 0x0500,
     DGBGLI_OUT_OF_MEMORY = 0x0505,
     DGBGLI_CONTEXT_LOST = 0x0507,
@@ -3153,23 +3156,24 @@ enum {
     DGBGLI_SCISSOR_TEST = 0x0C11,
     DGBGLI_COLOR_WRITEMASK = 0x0C23,
     DGBGLI_UNPACK_SWAP_BYTES = 0x0CF0,
+    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
     DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
-    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_ALIGNMENT = 0x0CF5,
     DGBGLI_MAX_TEXTURE_SIZE = 0x0D33,
     DGBGLI_TEXTURE_2D = 0x0DE1,
     DGBGLI_UNSIGNED_BYTE = 0x1401,
     DGBGLI_UNSIGNED_INT = 0x1405,
     DGBGLI_FLOAT = 0x1406,
+    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_COLOR = 0x1800,
     DGBGLI_DEPTH = 0x1801,
-    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_DEPTH_COMPONENT = 0x1902,
     DGBGLI_RED = 0x1903,
     DGBGLI_RGB = 0x1907,
     DGBGLI_RGBA = 0x1908,
     DGBGLI_FILL = 0x1B02,
+    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_VERSION = 0x1F02,
     DGBGLI_EXTENSIONS = 0x1F03,
     DGBGLI_NEAREST = 0x2600,
@@ -3183,9 +3187,9 @@ enum {
     DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
     DGBGLI_RGBA8 = 0x8058,
     DGBGLI_TEXTURE_BINDING_2D = 0x8069,
-    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_UNPACK_SKIP_IMAGES = 0x806D,
     DGBGLI_UNPACK_IMAGE_HEIGHT = 0x806E,
+    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_MULTISAMPLE = 0x809D,
     DGBGLI_SAMPLE_ALPHA_TO_COVERAGE = 0x809E,
     DGBGLI_SAMPLE_COVERAGE = 0x80A0,
@@ -3198,39 +3202,29 @@ enum {
     DGBGLI_MINOR_VERSION = 0x821C,
     DGBGLI_NUM_EXTENSIONS = 0x821D,
     DGBGLI_RG = 0x8227,
+    DGBGLI_RG_INTEGER = 0x8228,
     DGBGLI_R8 = 0x8229,
     DGBGLI_RG8 = 0x822B,
     DGBGLI_R32F = 0x822E,
-    DGBGLI_R32UI = 0x8236,
-    DGBGLI_RG32UI = 0x823C,
-    DGBGLI_RGBA32UI = 0x8D70,
-    DGBGLI_RED_INTEGER = 0x8D94,
-    DGBGLI_RG_INTEGER = 0x8228,
-    DGBGLI_RGBA_INTEGER = 0x8D99,
-    DGBGLI_READ_WRITE = 0x88BA,
-    DGBGLI_ALL_BARRIER_BITS = -1,
-    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
-    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_RG16F = 0x822F,
     DGBGLI_RG32F = 0x8230,
-    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_R32UI = 0x8236,
+    DGBGLI_RG32UI = 0x823C,
     DGBGLI_DEBUG_SOURCE_APPLICATION = 0x824A,
-    DGBGLI_MAX_VIEWPORTS = 0x825B,
-    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_BUFFER = 0x82E0,
+    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_SAMPLER = 0x82E6,
     DGBGLI_TEXTURE0 = 0x84C0,
     DGBGLI_ACTIVE_TEXTURE = 0x84E0,
     DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
     DGBGLI_DEPTH_CLAMP = 0x864F,
-    DGBGLI_QUERY_BUFFER = 0x9192,
-    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
+    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_RGBA16F = 0x881A,
+    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_QUERY_RESULT = 0x8866,
     DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
-    DGBGLI_RGBA16F = 0x881A,
-    DGBGLI_MAX_DRAW_BUFFERS = 0x8824,
+    DGBGLI_READ_WRITE = 0x88BA,
     DGBGLI_STREAM_DRAW = 0x88E0,
-    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_PIXEL_UNPACK_BUFFER = 0x88EC,
     DGBGLI_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     DGBGLI_MAX_ARRAY_TEXTURE_LAYERS = 0x88FF,
@@ -3246,10 +3240,11 @@ enum {
     DGBGLI_COMPILE_STATUS = 0x8B81,
     DGBGLI_LINK_STATUS = 0x8B82,
     DGBGLI_CURRENT_PROGRAM = 0x8B8D,
-    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_TEXTURE_2D_ARRAY = 0x8C1A,
     DGBGLI_TEXTURE_BINDING_2D_ARRAY = 0x8C1D,
+    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_RASTERIZER_DISCARD = 0x8C89,
+    DGBGLI_LOWER_LEFT = 0x8CA1,
     DGBGLI_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
     DGBGLI_READ_FRAMEBUFFER = 0x8CA8,
     DGBGLI_DRAW_FRAMEBUFFER = 0x8CA9,
@@ -3258,18 +3253,28 @@ enum {
     DGBGLI_FRAMEBUFFER_COMPLETE = 0x8CD5,
     DGBGLI_COLOR_ATTACHMENT0 = 0x8CE0,
     DGBGLI_DEPTH_ATTACHMENT = 0x8D00,
-    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
     DGBGLI_FRAMEBUFFER = 0x8D40,
+    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
+    DGBGLI_RGBA32UI = 0x8D70,
+    DGBGLI_RED_INTEGER = 0x8D94,
+    DGBGLI_RGBA_INTEGER = 0x8D99,
     DGBGLI_FRAMEBUFFER_SRGB = 0x8DB9,
     DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES = 0x8DE0,
     DGBGLI_TIMESTAMP = 0x8E28,
     DGBGLI_SAMPLE_MASK = 0x8E51,
+    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
+    DGBGLI_IMAGE_BINDING_LEVEL = 0x8F3B,
+    DGBGLI_IMAGE_BINDING_LAYERED = 0x8F3C,
+    DGBGLI_IMAGE_BINDING_LAYER = 0x8F3D,
+    DGBGLI_IMAGE_BINDING_ACCESS = 0x8F3E,
     DGBGLI_PRIMITIVE_RESTART = 0x8F9D,
-    DGBGLI_LOWER_LEFT = 0x8CA1,
-    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
-    DGBGLI_ZERO_TO_ONE = 0x935F,
+    DGBGLI_IMAGE_BINDING_FORMAT = 0x906E,
+    DGBGLI_QUERY_BUFFER = 0x9192,
+    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
     DGBGLI_CLIP_ORIGIN = 0x935C,
-    DGBGLI_CLIP_DEPTH_MODE = 0x935D
+    DGBGLI_CLIP_DEPTH_MODE = 0x935D,
+    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
+    DGBGLI_ZERO_TO_ONE = 0x935F
 };
 
 /* One row a format: internal format, format and type of an upload. */
@@ -3512,9 +3517,9 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
 }
 
 /* Properties of an image binding, in the order of dgbgl_state.images. */
-static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */,
-                                                        0x8F3C /* LAYERED */,      0x8F3D /* LAYER */,
-                                                        0x8F3E /* ACCESS */,       0x906E /* FORMAT */};
+static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME,    DGBGLI_IMAGE_BINDING_LEVEL,
+                                                        DGBGLI_IMAGE_BINDING_LAYERED, DGBGLI_IMAGE_BINDING_LAYER,
+                                                        DGBGLI_IMAGE_BINDING_ACCESS,  DGBGLI_IMAGE_BINDING_FORMAT};
 
 static void dgbgli_save_images(const dgbgl_backend* b, dgbgl_state* s) {
     int unit, i;
@@ -3572,7 +3577,7 @@ static void dgbgli_set_defaults(const dgbgl_backend* b) {
     b->gl.ColorMask(DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE);
     b->gl.DepthMask(DGBGLI_TRUE);
     dgbgli_depth_range(b, 0.0, 1.0);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, DGBGLI_FILL);
     if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, 0); /* else the timers are read into it */
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
     for (i = 0; i < dgbgli_unpack_count(b); ++i)
@@ -3607,7 +3612,7 @@ static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) 
         if (dgbgli_has_toggle(b, i)) dgbgli_enable(b, dgbgli_toggles[i].name, s->toggles[i] != 0);
     b->gl.DepthMask((unsigned char)s->depth_mask);
     b->gl.DepthFunc((unsigned)s->depth_func);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, (unsigned)s->polygon_mode[0]);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, (unsigned)s->polygon_mode[0]);
     if (b->gl.ClipControl) b->gl.ClipControl((unsigned)s->clip_origin, (unsigned)s->clip_depth);
 }
 
@@ -4062,7 +4067,7 @@ static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
                                                           DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
     b->gl.DrawBuffers(pass->color_count, buffers);
-    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
+    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : DGBGLI_NONE);
 }
 
 /* False, and a message, when it is of no use; it is then gone again. */
