@@ -1,6 +1,7 @@
 /* Plans: what every desc would create and run, and what is wrong with the descs that are refused. No device
    at all. */
 
+#include "numbers.h"
 #include "record_backend.h"
 
 #include <setjmp.h>
@@ -17,9 +18,6 @@
      DGB_EFFECT_GLOSSY)
 
 static const char* const normals_names[DGB_NORMALS_COUNT] = {"from depth", "oct16", "unorm", "float"};
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
 
 static dgb_desc small_desc(int layers, uint32_t effects) {
     dgb_desc d;

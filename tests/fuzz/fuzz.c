@@ -175,7 +175,7 @@ bool fuzz_check(fuzz_device* d, dgb_result result) {
 }
 
 bool fuzz_check_refusal(fuzz_device* d, dgb_result result, const dgb_context* before) {
-    if (result != DGB_OK && memcmp((void*)&d->context, (const void*)before, sizeof *before) != 0)
+    if (result != DGB_OK && !same_bits(&d->context, before, sizeof *before))
         fail_msg("%s, but the context has changed", dgb_result_name(result));
     return fuzz_check(d, result);
 }

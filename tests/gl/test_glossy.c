@@ -1,6 +1,7 @@
 /* Glossy reflections: a floor of any roughness that mirrors a wall, against the integral over its lobe in double
    precision. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -162,7 +163,7 @@ static void test_mirror_among_others(void** state) {
     for (frame = 0; frame < 4; ++frame) show(&a), show(&b);
     x = read_slot(&a, DGB_REFLECTION), y = read_slot(&b, DGB_REFLECTION);
     for (at = 0; at < COUNT; ++at) {
-        const bool same = memcmp((void*)(x + 4 * at), (void*)(y + 4 * at), 4 * sizeof *x) == 0;
+        const bool same = same_bits(x + 4 * at, y + 4 * at, 4 * sizeof *x);
         if (b.m.roughness[at] == 0.0f) assert_true(same);
         rough += !same;
     }
@@ -569,11 +570,6 @@ static void test_built_layers(void** state) {
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
 static void test_any_input(void** state) {
     stage s = open_stage(OVER_TIME, 2, 2);
     int frame, kind, i;
@@ -582,11 +578,11 @@ static void test_any_input(void** state) {
         float* r;
         put_scene(&s);
         for (i = 0; i < s.m.width * s.m.height; ++i) {
-            const uint32_t bits = random_bits() ^ random_bits() << 16;
+            const uint32_t bits = lcg_bits(&random_state) ^ lcg_bits(&random_state) << 16;
             memcpy(&s.m.roughness[i], &bits, sizeof bits);
             if (i % 3) s.m.roughness[i] = (float)(bits >> 8) / 16777216.0f;
             for (kind = 0; kind < IMAGE_KINDS; ++kind) /* one texel in 32 is anything */
-                if (random_bits() >> 16 < 2048u) memcpy(&s.m.texels[kind][frame % 2][i], &bits, sizeof bits);
+                if (lcg_bits(&random_state) >> 16 < 2048u) memcpy(&s.m.texels[kind][frame % 2][i], &bits, sizeof bits);
         }
         s.params.glossy_taps = frame % 33;
         s.params.glossy_radius = frame % 5 ? 16.0f : frame % 2 ? 0.0f : 1e6f;

@@ -1,6 +1,7 @@
 /* The hierarchical tracer: its ranges against those found texel by texel, and its reflections against the linear
    tracer's, bit for bit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,10 +16,7 @@ static fixture f;
 
 static uint32_t random_state = 1u;
 
-static double random_unit(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (double)(random_state >> 8) / 16777216.0;
-}
+static double random_unit(void) { return lcg_unit(&random_state); }
 
 static int random_below(int count) { return (int)(random_unit() * count); }
 

@@ -1,6 +1,7 @@
 /* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted:
    every result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,32 +25,15 @@ static fixture f;
 
 static uint32_t random_state;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-static float float_of(uint32_t bits) {
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+static float random_unit(void) { return (float)(lcg_bits(&random_state) >> 8) / 16777216.0f; }
 
 /* NaN, infinite, largest, 1e6, subnormal, negative ones; or any bits. */
 static float injected(void) {
     static const uint32_t special[] = {0x7fc00000u, 0xffc00001u, 0x7f800000u, 0xff800000u, 0x7f7fffffu, 0xff7fffffu,
                                        0x49742400u, 0xc9742400u, 0x00000001u, 0x807fffffu, 0x80000000u, 0xbf800000u};
-    const uint32_t kind = random_bits() >> 8;
-    return float_of(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
-                              : random_bits() ^ random_bits() << 16);
-}
-
-static bool is_finite(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (bits & 0x7f800000u) != 0x7f800000u;
+    const uint32_t kind = lcg_bits(&random_state) >> 8;
+    return from_bits(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
+                               : lcg_bits(&random_state) ^ lcg_bits(&random_state) << 16);
 }
 
 /* >> two engines that show the same, one of them with what is injected */
@@ -138,10 +122,10 @@ static void inject_inputs(engine* e, uint32_t rarity) {
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer)
             for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * COUNT; ++i)
-                if (random_bits() >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
+                if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
     for (i = 0; i < COUNT; ++i) {
-        if (random_bits() >> 8 < 16777216u / rarity) e->m.roughness[i] = injected();
-        if (random_bits() >> 8 < 16777216u / rarity) e->m.back[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.roughness[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.back[i] = injected();
     }
 }
 
@@ -314,7 +298,8 @@ static void inject_params(dgb_params* q) {
     const size_t count = sizeof fields / sizeof fields[0];
     int n;
     for (n = 0; n < 2; ++n)
-        *fields[(random_bits() >> 8) % count] = values[(random_bits() >> 8) % (sizeof values / sizeof values[0])];
+        *fields[(lcg_bits(&random_state) >> 8) % count] =
+            values[(lcg_bits(&random_state) >> 8) % (sizeof values / sizeof values[0])];
 }
 
 static void test_params(void** state) {

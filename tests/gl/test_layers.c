@@ -1,5 +1,6 @@
 /* The layers themselves: minimum separation, and that every way of building them gives the same as peeling. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -66,8 +67,6 @@ static void free_layers(built* b) {
         for (target = 0; target < 4; ++target) free(b->targets[layer][target]);
     }
 }
-
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
 
 /* Texels that differ in anything. */
 static int count_differences(const built* a, const built* b) {

@@ -1,6 +1,7 @@
 /* Surfaces that move, come into view and leave it: what the temporal filter keeps of them. Layers made up texel by
    texel, so that every count of frames is known beforehand. */
 #include "gl_images.h"
+#include "numbers.h"
 #include "tally.h"
 
 #include <math.h>
@@ -306,22 +307,6 @@ static void test_odd_input(void** state) {
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 static void check_in_range(const stage* s, dgb_slot slot, float high, float high_alpha) {
     float* image = read_image(s, slot);
     int i;
@@ -342,7 +327,7 @@ static void test_any_input(void** state) {
             for (kind = frame % 2 ? IMAGE_DEPTH : IMAGE_NORMAL; kind < IMAGE_KINDS; ++kind)
                 for (l = 0; l < 2; ++l)
                     for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * WIDTH * HEIGHT; ++i)
-                        if (random_bits() & 0x10000u) s.m.texels[kind][l][i] = random_pattern();
+                        if (lcg_bits(&random_state) & 0x10000u) s.m.texels[kind][l][i] = lcg_pattern(&random_state);
             s.params = dgb_preset((dgb_preset_id)(frame % DGB_PRESET_COUNT));
             shade(&s);
             check_in_range(&s, DGB_IRRADIANCE_MEAN, DGB_MAX_RADIANCE, 1.0f);

@@ -1,6 +1,7 @@
 /* Mirror reflections by either tracer against rays and planes in double precision. Layers made up texel by texel; every
    texel's radiance says where it lies, so that a reflection tells exactly what was hit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -912,23 +913,7 @@ static void test_nan_normals(void** state) {
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+static float random_unit(void) { return (float)(lcg_bits(&random_state) >> 8) / 16777216.0f; }
 
 static void test_any_input(void** state) {
     static const setup setups[] = {
@@ -948,12 +933,15 @@ static void test_any_input(void** state) {
         for (frame = 0; frame < 16; ++frame) {
             result r;
             put_planes(&s, planes, 2);
-            for (k = 0; k < s.m.width * s.m.height; ++k) s.m.back[k] = frame % 4 ? random_unit() : random_pattern();
+            for (k = 0; k < s.m.width * s.m.height; ++k)
+                s.m.back[k] = frame % 4 ? random_unit() : lcg_pattern(&random_state);
             for (kind = 0; kind < IMAGE_KINDS; ++kind)
                 for (l = 0; l < 2; ++l)
                     for (k = 0; k < (kind == IMAGE_DEPTH ? 1 : 3) * s.m.width * s.m.height; ++k) {
-                        const bool odd = random_bits() >> 16 < 1u << frame;
-                        if (odd) s.m.texels[kind][l][k] = frame % 2 ? random_pattern() : random_unit() * 2.0f - 0.5f;
+                        const bool odd = lcg_bits(&random_state) >> 16 < 1u << frame;
+                        if (odd)
+                            s.m.texels[kind][l][k] =
+                                frame % 2 ? lcg_pattern(&random_state) : random_unit() * 2.0f - 0.5f;
                     }
             s.params.reflect_stride = 1 + frame;
             s.params.reflect_thickness = frame % 3 ? 0.5f : frame % 2 ? 1e-15f : 1e14f;

@@ -1,6 +1,7 @@
 /* dgb_shade: every full-screen pass against a double-precision reference, pixel by pixel; and what must hold
    for any image. */
 #include "gl_fixture.h"
+#include "numbers.h"
 #include "reference.h"
 #include "tally.h"
 
@@ -534,22 +535,8 @@ static shot shade_engine(const engine* e, int layers, dgb_normals normals, const
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-static float random_in(float low, float high) { return low + (high - low) * (float)(random_bits() >> 8) / 16777216.0f; }
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
+static float random_in(float low, float high) {
+    return low + (high - low) * (float)(lcg_bits(&random_state) >> 8) / 16777216.0f;
 }
 
 static void fill_random(engine* e) {
@@ -607,9 +594,9 @@ static void test_any_input(void** state) {
             fill_random(&e);
             for (layer = 0; layer < 2; ++layer)
                 for (i = 0; i < 3 * e.width * e.height; ++i) {
-                    if (round == 1 && i < e.width * e.height) e.depth[layer][i] = random_pattern();
-                    e.normal[layer][i] = random_pattern();
-                    e.radiance[layer][i] = random_pattern();
+                    if (round == 1 && i < e.width * e.height) e.depth[layer][i] = lcg_pattern(&random_state);
+                    e.normal[layer][i] = lcg_pattern(&random_state);
+                    e.radiance[layer][i] = lcg_pattern(&random_state);
                 }
             q.ao_epsilon = round == 2 ? 0.0f : q.ao_epsilon;
             s = shade_engine(&e, 2, (dgb_normals)normals, &q);
@@ -874,7 +861,7 @@ static void test_noise(void** state) {
     shot t;
     (void)state;
     raw_images(&s, &ao, &irradiance);
-    for (i = 0; i < texels; ++i) ao[i] = (float)(random_bits() >> 24) / 255.0f;
+    for (i = 0; i < texels; ++i) ao[i] = (float)(lcg_bits(&random_state) >> 24) / 255.0f;
     for (i = 0; i < 4 * texels; ++i) irradiance[i] = i % 4 == 3 ? random_in(0.0f, 1.0f) : expf(random_in(-6.0f, 6.0f));
     for (fraction = 0; fraction < 3; ++fraction) {
         s.params.guard_fraction = 0.5f * (float)fraction;

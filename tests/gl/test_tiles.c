@@ -1,5 +1,6 @@
 /* Tiles: skipping the second layer where it cannot matter changes no bit of any result, and skips something. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -188,10 +189,7 @@ static GLuint upload(GLint internal, GLenum format, const setup* s, const float*
 
 static uint32_t random_state = 1u;
 
-static float random_unit(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) / 16777216.0f;
-}
+static float random_unit(void) { return (float)lcg_unit(&random_state); }
 
 /* Window depth of camera z. */
 static float depth_of(const dgb_view* view, float z) {

@@ -2,6 +2,7 @@
    evaluates it for 65,536 cases whose inputs come from a texture, so that nothing is folded at compile
    time. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <float.h>
 #include <math.h>
@@ -187,33 +188,14 @@ static int seed(void** state) {
 
 #define TWIN(test) cmocka_unit_test_setup(test, seed)
 
-static uint32_t random_bits(void) { /* splitmix64 */
-    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
 static float random_in(float low, float high) {
-    return low + (high - low) * (float)((double)random_bits() / 4294967296.0);
+    return low + (high - low) * (float)((double)random_bits(&random_state) / 4294967296.0);
 }
 
 /* log-uniform, of either sign */
 static float random_size(float low, float high) {
     const float x = expf(random_in(logf(low), logf(high)));
-    return random_bits() & 1u ? -x : x;
+    return random_bits(&random_state) & 1u ? -x : x;
 }
 
 static const uint32_t special_bits[] = {0x00000000u, 0x80000000u, 0x00000001u, 0x80000001u, 0x007fffffu, 0x00800000u,
@@ -223,9 +205,9 @@ static const uint32_t special_bits[] = {0x00000000u, 0x80000000u, 0x00000001u, 0
 
 /* A number that makes trouble, or any bit pattern. */
 static float random_pattern(void) {
-    const uint32_t kind = random_bits() % 4u;
-    if (kind == 0u) return from_bits(random_bits());
-    return from_bits(special_bits[random_bits() % (sizeof special_bits / sizeof special_bits[0])]);
+    const uint32_t kind = random_bits(&random_state) % 4u;
+    if (kind == 0u) return from_bits(random_bits(&random_state));
+    return from_bits(special_bits[random_bits(&random_state) % (sizeof special_bits / sizeof special_bits[0])]);
 }
 
 /* One case in eight holds trouble somewhere. */
@@ -234,7 +216,7 @@ static bool is_hostile(int i) { return i % 8 == 7; }
 static void make_hostile(float* values, int count) {
     int k;
     for (k = 0; k < count; ++k)
-        if (random_bits() % 3u == 0u) values[k] = random_pattern();
+        if (random_bits(&random_state) % 3u == 0u) values[k] = random_pattern();
 }
 
 static void random_vector(float length, float v[3]) {
@@ -242,7 +224,7 @@ static void random_vector(float length, float v[3]) {
     for (k = 0; k < 3; ++k) v[k] = random_in(-length, length);
 }
 
-static void random_normal(float n[3]) { dgb_oct16_decode((uint16_t)random_bits(), n); }
+static void random_normal(float n[3]) { dgb_oct16_decode((uint16_t)random_bits(&random_state), n); }
 
 static bool is_subnormal(float x) { return (bits_of(x) & 0x7fffffffu) - 1u < 0x7fffffu; }
 
@@ -269,8 +251,6 @@ typedef struct tally {
 } tally;
 
 static bool is_zero(float x) { return fabsf(x) < FLT_MIN; }
-
-static bool is_finite(float x) { return (bits_of(x) & 0x7f800000u) != 0x7f800000u; }
 
 /* scale: what the difference is measured in. */
 static void compare(tally* t, float device, float host, double scale) {
@@ -432,9 +412,9 @@ static void test_pixel_hash(void** state) {
     int i, mismatches = 0;
     (void)state;
     for (i = 0; i < CASES; ++i) { /* a corner of the image densely, then anywhere, then any frame */
-        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16385u));
-        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16385u));
-        in[i][0][2] = (float)(i < 32768 ? 0 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits(&random_state) % 16385u));
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits(&random_state) % 16385u));
+        in[i][0][2] = (float)(i < 32768 ? 0 : (int)(random_bits(&random_state) % 16777216u) - 8388608);
     }
     evaluate("uvec4(dgb_pixel_hash(ivec2(given(0).xy), int(given(0).z)), 0u, 0u, 0u)", 1);
     for (i = 0; i < CASES; ++i)
@@ -446,9 +426,9 @@ static void test_pixel_pair(void** state) {
     int i, mismatches = 0;
     (void)state;
     for (i = 0; i < CASES; ++i) {
-        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16385u));
-        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16385u));
-        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits(&random_state) % 16385u));
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits(&random_state) % 16385u));
+        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits(&random_state) % 16777216u) - 8388608);
     }
     evaluate("bits(vec3(dgb_pixel_pair(ivec2(given(0).xy), int(given(0).z)), 0.0))", 1);
     for (i = 0; i < CASES; ++i) {
@@ -463,9 +443,9 @@ static void test_pixel_quad(void** state) {
     int i, k, mismatches = 0, misplaced = 0;
     (void)state;
     for (i = 0; i < CASES; ++i) { /* two squares of the curve and more, then anywhere, on either side of 0 */
-        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits() % 16777216u) - 8388608);
-        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits() % 16777216u) - 8388608);
-        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits() % 16777216u) - 8388608);
+        in[i][0][0] = (float)(i < 16384 ? i % 128 : (int)(random_bits(&random_state) % 16777216u) - 8388608);
+        in[i][0][1] = (float)(i < 16384 ? i / 128 : (int)(random_bits(&random_state) % 16777216u) - 8388608);
+        in[i][0][2] = (float)(i < 32768 ? i % 3 : (int)(random_bits(&random_state) % 16777216u) - 8388608);
     }
     evaluate("floatBitsToUint(dgb_pixel_quad(ivec2(given(0).xy), int(given(0).z)))", 1);
     for (i = 0; i < CASES; ++i) {
@@ -486,8 +466,8 @@ static void test_mip_level(void** state) {
         in[i][0][0] =
             i < 16 * 765 ? from_bits(((uint32_t)(i / 3 % 255) << 23) + (uint32_t)(i % 3) - 1u) : random_pattern();
         in[i][0][1] = (float)(i / 765 % 5);
-        in[i][0][2] = (float)(random_bits() % 3u);
-        in[i][0][3] = in[i][0][2] + (float)(random_bits() % 4u);
+        in[i][0][2] = (float)(random_bits(&random_state) % 3u);
+        in[i][0][3] = in[i][0][2] + (float)(random_bits(&random_state) % 4u);
     }
     evaluate("uvec4(dgb_mip_level(given(0).x, int(given(0).y), int(given(0).z), int(given(0).w)), 0u, 0u, 0u)", 1);
     for (i = 0; i < CASES; ++i)
@@ -501,8 +481,8 @@ static void test_mip_source(void** state) {
     (void)state;
     for (i = 0; i < CASES; ++i) {
         const int level = i % DGB_MAX_LEVELS;
-        in[i][0][0] = (float)(random_bits() % (unsigned)(DGB_MAX_SIZE >> level));
-        in[i][0][1] = (float)(random_bits() % (unsigned)(DGB_MAX_SIZE >> level));
+        in[i][0][0] = (float)(random_bits(&random_state) % (unsigned)(DGB_MAX_SIZE >> level));
+        in[i][0][1] = (float)(random_bits(&random_state) % (unsigned)(DGB_MAX_SIZE >> level));
         in[i][0][2] = (float)level;
     }
     evaluate("uvec4(dgb_mip_source(ivec2(given(0).xy), int(given(0).z)), 0u, 0u)", 1);
@@ -551,7 +531,8 @@ static void test_depth_code(void** state) {
     (void)state;
     for (i = 0; i < CASES; ++i) {
         in[i][0][0] = is_hostile(i) ? random_pattern() : random_in(0.0f, 1.0f);
-        if (i % 8 == 6) in[i][0][0] = ((float)(random_bits() % 65535u) + 0.5f) / 65535.0f; /* half-way between codes */
+        if (i % 8 == 6)
+            in[i][0][0] = ((float)(random_bits(&random_state) % 65535u) + 0.5f) / 65535.0f; /* half-way between codes */
         in[i][0][1] = codes[i % 4];
     }
     evaluate("bits(dgb_depth_code(given(0).x, given(0).y))", 1);
@@ -591,8 +572,8 @@ static void test_position(void** state) {
     for (i = 0; i < CASES; ++i) {
         dgb_camera camera;
         give_camera(i, &camera);
-        in[i][0][0] = (float)(random_bits() % 1408u) + 0.5f;
-        in[i][0][1] = (float)(random_bits() % 848u) + 0.5f;
+        in[i][0][0] = (float)(random_bits(&random_state) % 1408u) + 0.5f;
+        in[i][0][1] = (float)(random_bits(&random_state) % 848u) + 0.5f;
         in[i][0][2] = -fabsf(random_size(0.01f, 1e6f));
     }
     evaluate("bits(dgb_position(given(0).xy, given(0).z, given_camera()))", 5);
@@ -722,7 +703,7 @@ static void test_ambient_visibility(void** state) {
     int i;
     (void)state;
     for (i = 0; i < CASES; ++i) {
-        const int count = 1 + (int)(random_bits() % 256u);
+        const int count = 1 + (int)(random_bits(&random_state) % 256u);
         in[i][0][0] = is_hostile(i) ? random_pattern() : random_in(0.0f, (float)count * 0.4f);
         if (i % 8 == 6) in[i][0][0] = fabsf(random_size(1e-12f, 1.0f));
         in[i][0][1] = (float)(3.14159265358979323846 / count);
@@ -757,7 +738,7 @@ static void test_gather_scale(void** state) {
     int i;
     (void)state;
     for (i = 0; i < CASES; ++i) {
-        in[i][0][1] = (float)(random_bits() % 513u);
+        in[i][0][1] = (float)(random_bits(&random_state) % 513u);
         in[i][0][0] = random_in(0.0f, 1.0f) * in[i][0][1];
         in[i][0][2] = i % 2 ? 1.0f : 0.0f;
     }

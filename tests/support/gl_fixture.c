@@ -1,5 +1,6 @@
 #include "gl_fixture.h"
 #include "gl_faults.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,12 +61,9 @@ typedef struct vertex {
     float position[3], normal[3], color[3];
 } vertex;
 
-static unsigned random_state;
+static uint32_t random_state;
 
-static float random_between(float low, float high) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return low + (high - low) * (float)(random_state >> 8) / 16777216.0f;
-}
+static float random_between(float low, float high) { return low + (high - low) * (float)lcg_unit(&random_state); }
 
 static int add_quad(vertex* out, int count, const float corner[3], const float u[3], const float v[3],
                     const float color[3]) {
