@@ -77,8 +77,7 @@ void fixture_draw(void* user, const dgb_draw* draw);
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
                     int channels);
 
-/* A level of an image as large as the buffer, `channels` floats a texel; null where there is no such texture. Caller
-   frees. */
+/* A level of an image as large as the buffer, `channels` floats a texel. Caller frees. Null: no such texture. */
 float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels);
 /* DGB_Z, of one layer or two, 0 where there is no surface. Caller frees. */
 float* fixture_z(const dgb_context* c, int level);
