@@ -552,6 +552,14 @@ static void test_halves_stay_when_dithered(void** state) {
             }
 }
 
+static void test_what_is_not_finite_is_not_dithered(void** state) {
+    static const uint32_t special[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00001u, 0x7f800001u, 0x7fffffffu};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof special / sizeof special[0]; ++i)
+        assert_int_equal(bits_of(dgb_dithered(from_bits(special[i]), 0.75f)), special[i]);
+}
+
 /* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half to half. */
 static void test_dithered_on_average(void** state) {
     enum { US = 8188 };
@@ -595,6 +603,7 @@ int main(void) {
         cmocka_unit_test(test_channels_do_not_mix),
         cmocka_unit_test(test_storable),
         cmocka_unit_test(test_halves_stay_when_dithered),
+        cmocka_unit_test(test_what_is_not_finite_is_not_dithered),
         cmocka_unit_test(test_dithered_on_average),
     };
     return cmocka_run_group_tests_name("packing", tests, NULL, NULL);
