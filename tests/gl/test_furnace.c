@@ -359,6 +359,7 @@ static void test_room_becomes_stationary(void** state) {
     }
 }
 
+/* Of what is shown: dgb_fallback of the composite snippet, without a probe. */
 static double mean_of(const room* r, dgb_slot slot) {
     const int w = r->c.plan.width, h = r->c.plan.height, g = r->c.desc.guard_band;
     float* e = read_image(&r->c, slot, 4);
@@ -366,7 +367,8 @@ static double mean_of(const room* r, dgb_slot slot) {
     int x, y, k;
     for (y = g; y < h - g; ++y)
         for (x = g; x < w - g; ++x)
-            for (k = 0; k < 3; ++k) sum += (double)e[4 * (y * w + x) + k];
+            for (k = 0; k < 3; ++k)
+                sum += (double)e[4 * (y * w + x) + k] * fmin(2.0 * (double)e[4 * (y * w + x) + 3], 1.0);
     free(e);
     return sum / (3.0 * (w - 2 * g) * (h - 2 * g));
 }
