@@ -1804,7 +1804,7 @@ DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, con
     float stretched[3], s[3], t[3], m[3], height, radius;
     bool valid;
     const double turn = 2.0 * DGBI_PI * (double)u[0];
-    const float c = dgbi_is_finite(u[0]) ? (float)cos(turn) : 0.0f, d = dgbi_is_finite(u[0]) ? (float)sin(turn) : 0.0f;
+    const float c = (float)cos(turn), d = (float)sin(turn);
     int i;
     valid = dgbi_stretch(v, n, alpha, dgbi_max0(dgbi_dot(v, n)), stretched);
     /* the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole down to its horizon */
