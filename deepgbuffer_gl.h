@@ -4304,20 +4304,29 @@ typedef struct dgbgli_view_uniforms { /* dgb_view_block */
 /* Samplers of the program; the unit of each is its place. */
 static const char* const dgbgli_view_samplers[4] = {"dgb_view_depth", "dgb_view_layer", "dgb_view_image", "dgb_view_z"};
 
+static void dgbgli_put_view_head(dgbgli_text* t, int version, bool es) {
+    int i;
+    dgbgli_put_version(t, version, es);
+    dgbgli_put_precision(t, es);
+    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(t, dgbgli_views[i].define, i);
+}
+
+static void dgbgli_view_chunks(dgbgl_stage stage, dgbgli_chunks* c) {
+    dgbgli_add_chunks(c, stage == DGBGL_VERTEX ? dgbgli_glsl_fullscreen : dgbgli_glsl_common);
+    if (stage == DGBGL_FRAGMENT) dgbgli_add_chunks(c, dgbgli_glsl_view);
+}
+
 static bool dgbgli_make_view_program(dgbgl_backend* b) {
     char head[1024];
     dgbgli_text t = dgbgli_text_on(head, sizeof head);
     dgbgli_chunks vertex, fragment;
     int i;
     if (b->view_program) return true;
-    dgbgli_put_version(&t, b->version, b->es);
-    dgbgli_put_precision(&t, b->es);
-    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(&t, dgbgli_views[i].define, i);
+    dgbgli_put_view_head(&t, b->version, b->es);
     vertex.pieces[0] = fragment.pieces[0] = head;
     vertex.count = fragment.count = 1;
-    dgbgli_add_chunks(&vertex, dgbgli_glsl_fullscreen);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_common);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_view);
+    dgbgli_view_chunks(DGBGL_VERTEX, &vertex);
+    dgbgli_view_chunks(DGBGL_FRAGMENT, &fragment);
     b->view_program = dgbgli_make_program(b, "view", &vertex, &fragment);
     if (!b->view_program) return false;
     dgbgli_connect_block(b, b->view_program, "view");
