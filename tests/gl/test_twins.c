@@ -406,6 +406,22 @@ static void test_half_store(void** state) {
     check_equal("RGBA16F store", mismatches, 0);
 }
 
+static void test_dithered(void** state) {
+    int i, k, mismatches = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) {
+        for (k = 0; k < 4; ++k) in[i][0][k] = random_size(1e-9f, 65504.0f), in[i][1][k] = random_in(0.0f, 1.0f);
+        if (is_hostile(i)) make_hostile(in[i][0], 4);
+    }
+    evaluate("floatBitsToUint(dgb_dithered(given(0), given(1)))", 2);
+    for (i = 0; i < CASES; ++i)
+        for (k = 0; k < 4; ++k) {
+            const float host = dgb_dithered(in[i][0][k], in[i][1][k]), device = device_float(i, k);
+            mismatches += device != host && bits_of(device) != bits_of(host) && !(isnan(device) && isnan(host));
+        }
+    check_equal("dithered", mismatches, 0);
+}
+
 /* >> integers: hash, MIP level and source */
 
 static void test_pixel_hash(void** state) {
@@ -1060,6 +1076,7 @@ int main(void) {
         TWIN(test_storable),
         TWIN(test_r11g11b10f_store),
         TWIN(test_half_store),
+        TWIN(test_dithered),
         TWIN(test_pixel_hash),
         TWIN(test_mip_level),
         TWIN(test_mip_source),

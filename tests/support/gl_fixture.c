@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 /* >> context */
 
@@ -396,6 +399,47 @@ int fixture_count_objects(void) {
         count += glIsTexture(name) + glIsBuffer(name) + glIsFramebuffer(name) + glIsProgram(name) + glIsShader(name) +
                  glIsSampler(name) + glIsVertexArray(name) + glIsQuery(name);
     return count;
+}
+
+static size_t texture_bytes(GLuint name) {
+    static const GLenum sizes[] = {GL_TEXTURE_RED_SIZE,   GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE,
+                                   GL_TEXTURE_ALPHA_SIZE, GL_TEXTURE_DEPTH_SIZE, GL_TEXTURE_STENCIL_SIZE};
+    GLint width = 1, height, depth, size, level;
+    size_t bits, bytes = 0, i;
+    for (level = 0; level < 15; ++level) {
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_WIDTH, &width);
+        if (width == 0) break;
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_HEIGHT, &height);
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_DEPTH, &depth);
+        for (bits = i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+            glGetTextureLevelParameteriv(name, level, sizes[i], &size);
+            bits += (size_t)size;
+        }
+        bytes += (size_t)width * (size_t)height * (size_t)depth * bits / 8;
+    }
+    return bytes;
+}
+
+size_t fixture_count_bytes(void) {
+    GLint64 size;
+    GLuint name;
+    size_t bytes = 0;
+    for (name = 1; name < 4096; ++name) {
+        if (glIsTexture(name)) bytes += texture_bytes(name);
+        if (!glIsBuffer(name)) continue;
+        glGetNamedBufferParameteri64v(name, GL_BUFFER_SIZE, &size);
+        bytes += (size_t)size;
+    }
+    return bytes;
+}
+
+size_t fixture_count_heap(void) {
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+#else
+    return 0;
+#endif
 }
 
 /* >> reading */

@@ -93,6 +93,9 @@ float* fixture_read_half(dgb_texture texture, int width, int height, float** ao)
 
 /* Objects alive in the context, of names below 4096. */
 int fixture_count_objects(void);
+/* Bytes of the textures and buffers among them, as GL gives their sizes; and of the process's heap, 0 where nobody counts. */
+size_t fixture_count_bytes(void);
+size_t fixture_count_heap(void);
 
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);
