@@ -48,8 +48,8 @@
                     that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add their
                     reflectance or environment BRDF times lerp(environment, L, confidence), both from DGB_REFLECTION.
                     dgbgl_composite_snippet has these in GLSL. Results are as large as the buffer: pixel p of the image is
-                    texel p + guard_band. What lies beyond the shaded part of the guard band (params.guard_fraction) is
-                    undefined.
+                    texel p + guard_band. What lies beyond the shaded part of the guard band (params.guard_fraction), of
+                    reflections what lies beyond the image, is undefined.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS

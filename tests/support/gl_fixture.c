@@ -16,41 +16,48 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
     printf("# GL message: %s\n", text);
 }
 
-/* The library leaves texels undefined that are not shaded, and reads none (test_guest.c), but tests look at whole buffers. With
-   DGB_CLEAR_TEXTURES set fresh ones are zero, as most drivers have them anyway (tests/gl/opinions.sh). Needs OpenGL 4.4. */
-static void clear_bound(GLenum binding, int levels) {
-    GLint name, level, type;
+/* Every fresh texture is full of numbers of its own, as on a driver that hands out memory as it finds it: the library leaves
+   undefined what is not shaded, and a test that looks there fails. test_guest.c shows with NaN that the library does not. */
+static void poison(GLenum target, GLenum binding, int levels) {
+    static int count;
+    GLint name, depth, type, level;
+    GLfloat numbers[4];
+    GLuint integers[4];
+    int i;
     glGetIntegerv(binding, &name);
-    for (level = 0; level < levels; ++level) {
-        const GLenum target = binding == GL_TEXTURE_BINDING_2D ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY;
-        GLint depth;
-        glGetTexLevelParameteriv(target, level, GL_TEXTURE_DEPTH_SIZE, &depth);
-        glGetTexLevelParameteriv(target, level, GL_TEXTURE_RED_TYPE, &type);
-        glClearTexImage((GLuint)name, level,
-                        depth                     ? GL_DEPTH_COMPONENT
-                        : type == GL_UNSIGNED_INT ? GL_RGBA_INTEGER
-                                                  : GL_RGBA,
-                        type == GL_UNSIGNED_INT ? GL_UNSIGNED_INT : GL_FLOAT, NULL);
+    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_DEPTH_SIZE, &depth);
+    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_RED_TYPE, &type);
+    ++count;
+    for (i = 0; i < 4; ++i) {
+        integers[i] = (GLuint)count;
+        numbers[i] = (float)(count % 2 ? count : -count);
+        if (depth || type == GL_UNSIGNED_NORMALIZED) numbers[i] = (float)(count % 255) / 255.0f;
     }
+    for (level = 0; level < levels; ++level)
+        if (type == GL_UNSIGNED_INT)
+            glClearTexImage((GLuint)name, level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, integers);
+        else
+            glClearTexImage((GLuint)name, level, depth ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, numbers);
 }
 
-static void GLAPIENTRY cleared_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
+static void GLAPIENTRY poisoned_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width,
+                                           GLsizei height) {
     glTexStorage2D(target, levels, format, width, height);
-    clear_bound(GL_TEXTURE_BINDING_2D, levels);
+    poison(target, GL_TEXTURE_BINDING_2D, levels);
 }
 
-static void GLAPIENTRY cleared_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
-                                          GLsizei layers) {
+static void GLAPIENTRY poisoned_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
+                                           GLsizei layers) {
     glTexStorage3D(target, levels, format, width, height, layers);
-    clear_bound(GL_TEXTURE_BINDING_2D_ARRAY, levels);
+    poison(target, GL_TEXTURE_BINDING_2D_ARRAY, levels);
 }
 
 void* fixture_get_proc(const char* name) {
     const bool flat = strcmp(name, "glTexStorage2D") == 0, layered = strcmp(name, "glTexStorage3D") == 0;
-    PFNGLTEXSTORAGE2DPROC storage_2d = cleared_storage_2d;
-    PFNGLTEXSTORAGE3DPROC storage_3d = cleared_storage_3d;
+    PFNGLTEXSTORAGE2DPROC storage_2d = poisoned_storage_2d;
+    PFNGLTEXSTORAGE3DPROC storage_3d = poisoned_storage_3d;
     void* address = headless_get_proc(name);
-    if (!getenv("DGB_CLEAR_TEXTURES") || epoxy_gl_version() < 44 || !epoxy_is_desktop_gl()) return address;
+    if (epoxy_gl_version() < 44 || !epoxy_is_desktop_gl()) return address; /* no glClearTexImage */
     if (flat) memcpy(&address, &storage_2d, sizeof address);
     if (layered) memcpy(&address, &storage_3d, sizeof address);
     return address;
@@ -161,13 +168,26 @@ static void upload_scene(fixture* f) {
 }
 
 /* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower (tests/gl/opinions.sh). */
-static void limit_version(int* major, int* minor) {
+static bool limit_version(int* major, int* minor) {
     const char* text = getenv("DGB_GL_VERSION");
     int limit[2];
-    if (!text || sscanf(text, "%d.%d", &limit[0], &limit[1]) != 2) return;
-    if (limit[0] * 10 + limit[1] >= *major * 10 + *minor) return;
+    if (!text || sscanf(text, "%d.%d", &limit[0], &limit[1]) != 2) return false;
+    if (limit[0] * 10 + limit[1] >= *major * 10 + *minor) return false;
     *major = limit[0];
     *minor = limit[1];
+    return true;
+}
+
+static void print_left_out(void* user, dgb_result result, dgb_log_item item, const char* sentence) {
+    (void)user, (void)result, (void)sentence;
+    printf("# left out %s\n", dgb_log_item_name(item));
+}
+
+bool fixture_offers(const fixture* f, const dgb_desc* desc) {
+    dgb_desc d = *desc;
+    dgb_plan plan;
+    d.log = print_left_out;
+    return !f->limited || dgb_make_plan(&d, &plan) != DGB_UNSUPPORTED;
 }
 
 /* Who gives this opinion, once a program and kind of context. */
@@ -182,7 +202,7 @@ int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* de
     dgbgl_desc d;
     char error[256] = "";
     memset(f, 0, sizeof *f);
-    if (!es) limit_version(&major, &minor);
+    if (!es) f->limited = limit_version(&major, &minor);
     if (desc)
         d = *desc;
     else
@@ -410,6 +430,24 @@ float* fixture_read(dgb_texture texture, int level, int layer, int width, int he
     glBindTexture(target, 0);
     if (layers) memmove(all, all + image * (size_t)layer, image * sizeof(float));
     return all;
+}
+
+void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
+    const int inset = c->desc.guard_band - (int)floor((double)q->guard_fraction * c->desc.guard_band + 0.5);
+    rect[0] = rect[1] = inset;
+    rect[2] = c->plan.width - inset - 1;
+    rect[3] = c->plan.height - inset - 1;
+}
+
+void fixture_blank_unshaded(const dgb_context* c, float* image, int channels) {
+    int rect[4], x, y, k;
+    if (!image) return;
+    fixture_shaded_rect(c, &c->shaded_params, rect);
+    for (y = 0; y < c->plan.height; ++y)
+        for (x = 0; x < c->plan.width; ++x) {
+            if (x >= rect[0] && y >= rect[1] && x <= rect[2] && y <= rect[3]) continue;
+            for (k = 0; k < channels; ++k) image[(y * c->plan.width + x) * channels + k] = 0.0f;
+        }
 }
 
 /* A number of 6 bits of exponent and 10 of mantissa. */
