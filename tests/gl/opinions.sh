@@ -31,7 +31,6 @@ END
 cat >"$dir/differences" <<'END'
 gl33 test_guest   * the engine's state that it puts in disorder is OpenGL 4.5's
 gl33 test_robust  * the engine's state that it puts in disorder is OpenGL 4.5's
-gl33 test_twins   * runs GLSL 4.50, which has floatBitsToUint
 zink test_guest   test_no_messages Mesa notes that it compiles shaders anew for a size of points that the engine left on
 END
 
