@@ -297,6 +297,7 @@ static void check_room_bound(const room* r) {
     for (s = 0; s < sizeof slots / sizeof slots[0]; ++s) {
         float* e = fixture_image(&r->c, slots[s], 0, 4);
         double most = 0.0;
+        fixture_blank_unshaded(&r->c, e, 4);
         for (i = 0; i < 4 * r->c.plan.width * r->c.plan.height; ++i) {
             const double rho = i % 4 < 3 ? albedo[i % 4] * (double)r->params.bounce_damping : 0.0;
             const double bound = i % 4 < 3 ? direct[i % 4] * PI / (1.0 - rho) * (1.0 + 1.0 / 1024.0) : 1.0;

@@ -29,7 +29,7 @@ static const char* library_text(void) {
                                   {"DGB_DIVISOR", 1},
                                   {"DGB_NORMAL_TEST", 0},
                                   {"DGB_BITMASK_LIGHT", 0}}}; /* with all that is shared */
-    const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, 450, false, text, sizeof text);
+    const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, f.gl.version, false, text, sizeof text);
     char *line = text, *last = NULL;
     assert_true(size > 0 && size < sizeof text);
     while ((line = strstr(line, "#line")) != NULL) last = line++;
@@ -42,7 +42,7 @@ static const char* library_text(void) {
 }
 
 static const char vertex_text[] =
-    "#version 410 core\n"
+    "#version 330 core\n"
     "void main() {\n"
     "    vec2 corner = vec2(float((gl_VertexID & 1) << 2), float((gl_VertexID & 2) << 1));\n"
     "    gl_Position = vec4(corner - 1.0, 0.0, 1.0);\n"
@@ -1050,7 +1050,7 @@ static void test_directions(void** state) {
 /* The snippet's, which no pass has. */
 static void test_bent_cosine(void** state) {
     static char snippet[1 << 14];
-    const char* texts[] = {"#version 450 core\n", snippet, input_text, "layout(location = 0) out uvec4 twin_out;\n",
+    const char* texts[] = {"#version 330 core\n", snippet, input_text, "layout(location = 0) out uvec4 twin_out;\n",
                            "void main() { twin_out = uvec4(floatBitsToUint(dgb_bent_cosine(given(0)))); }\n"};
     tally t = tally_of("bent cosine");
     int i, k;
