@@ -228,6 +228,7 @@
        dgb_r11g11b10f_unpack   exact                       0                its code's    its code's     -
        dgb_half_from_float     2^-11                       0, signed        0             +-65504        0, signed
        dgb_half_to_float       exact                       0, signed        its code's    its code's     -
+       dgb_dithered            on average over u 1e-6      0                stays         stays          0
        dgb_spiral_turns        exact minimiser to 256      0, as for n < 1
        dgb_spiral_tap          1 ulp                       outside 0..n-1: {1, 0, 0}
        dgb_rotation            1 ulp                       {1, 0}
@@ -652,6 +653,10 @@ DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
 /* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
 DGB_API uint16_t dgb_half_from_float(float x);
 DGB_API float dgb_half_to_float(uint16_t half);
+/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is stored. Stores
+   that always go the same way add up: with a small share of each frame, an average stays where a frame moves it less than it
+   rounds. What is a half but for a rounding stays one for every u. */
+DGB_API float dgb_dithered(float x, float u);
 
 /* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in
    the polar unit square (paper, Listing 3, which prints n = 1..98; tests/unit regenerates 1..256 from the measure).
@@ -1373,6 +1378,14 @@ DGB_API float dgb_half_to_float(uint16_t half) {
     return half >> 15 ? -size : size;
 }
 
+DGB_API float dgb_dithered(float x, float u) {
+    const float share = dgbi_is_finite(u) && u > 0.0f ? (u < 1.0f ? u : 1.0f) : 0.0f;
+    const uint32_t below = 2u + (uint32_t)(share * 8188.0f); /* of the 8192 floats from a half to the next */
+    if (!dgbi_is_finite(x)) return x;
+    if ((dgbi_bits(x) & 0x7fffffffu) >= 0x38800000u) return dgbi_from_bits((dgbi_bits(x) + below) & 0xffffe000u);
+    return floorf(x * 16777216.0f + (float)below / 8192.0f) / 16777216.0f; /* below 2^-14 halves are 2^-24 apart */
+}
+
 /* >> taps: spiral, rotation, MIP level */
 
 /* Minimisers of the discrepancy for n = 1..256; the first 98 are the paper's Listing 3. */
@@ -1823,7 +1836,7 @@ DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, con
     float stretched[3], s[3], t[3], m[3], height, radius;
     bool valid;
     const double turn = 2.0 * DGBI_PI * (double)u[0];
-    const float c = dgbi_is_finite(u[0]) ? (float)cos(turn) : 0.0f, d = dgbi_is_finite(u[0]) ? (float)sin(turn) : 0.0f;
+    const float c = (float)cos(turn), d = (float)sin(turn);
     int i;
     valid = dgbi_stretch(v, n, alpha, dgbi_max0(dgbi_dot(v, n)), stretched);
     /* the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole to its horizon */

@@ -482,6 +482,13 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "vec3 dgb_nearest(vec3 v) { return vec3(dgb_nearest(v.x, 6), dgb_nearest(v.y, 6), dgb_nearest(v.z, 5)); }\n"
     "\n"
+    "vec4 dgb_dithered(vec4 x, vec4 u) {\n"
+    "    uvec4 below  = 2u + uvec4(u * 8188.0);\n"
+    "    vec4  coarse = uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u);\n"
+    "    vec4  fine   = floor(x * 16777216.0 + vec4(below) / 8192.0) / 16777216.0;\n"
+    "    return mix(fine, coarse, greaterThanEqual(abs(x), vec4(6.103515625e-5)));\n"
+    "}\n"
+    "\n"
     "int dgb_pixel_hash(ivec2 pixel, int frame) {\n"
     "    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;\n"
     "    h      = (h ^ (h >> 16)) * 0x7feb352du;\n"
@@ -501,7 +508,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "int dgb_hilbert_index(ivec2 pixel) {\n"
     "    uvec2 p     = uvec2(pixel);\n"
-    "    uint  index = 0u;\n"
+    "    uint  index = 0u;\n",
     "    for (int bit = 5; bit >= 0; --bit) {\n"
     "        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper\n"
     "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n"
@@ -510,7 +517,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return int(index);\n"
     "}\n"
     "\n"
-    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n",
+    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n"
     "    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;\n"
     "    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
@@ -593,14 +600,14 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// passes guarantee; dgb_ao_term below takes anything.\n"
-    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
+    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n",
     "    float d2 = dot(v, v);\n"
     "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
     "    return a * a / (d2 + epsilon);\n"
     "}\n"
     "\n"
     "float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
-    "    float squared = dgb_ao_term_squared(v, n, inv_r2, beta, epsilon);\n",
+    "    float squared = dgb_ao_term_squared(v, n, inv_r2, beta, epsilon);\n"
     "    return squared > 0.0 && squared <= 1.0 ? sqrt(squared) : 0.0;\n"
     "}\n"
     "\n"
@@ -1072,8 +1079,7 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack,\n"
     "// temporal and glossy.\n"
     "\n"
-    "const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history\n"
-    "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
+    "const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history\n"
     "\n"
     "// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.\n"
     "float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }\n"
@@ -1148,13 +1154,19 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "// What last frame holds for that layer of a texel. Nothing that is not finite gets through: history heals.\n"
     "vec4 dgb_last_irradiance_at(ivec2 texel, int layer) {\n"
     "    vec4 e = texelFetch(dgb_last_irradiance, texel, 0);\n"
-    "#if DGB_DEEP\n",
+    "#if DGB_DEEP\n"
     "    vec4 e1 = texelFetch(dgb_last_irradiance1, texel, 0);\n"
     "    e       = layer == 1 ? e1 : e;\n"
-    "#endif\n"
+    "#endif\n",
     "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
     "}\n"
-    "#endif\n",
+    "#endif\n"
+    "\n"
+    "// An average with last frame's, as it is stored. weight: of history; without it x is no average, and stays.\n"
+    "vec4 dgb_averaged(vec4 x, float weight, ivec2 pixel, int frame) {\n"
+    "    vec2 pair = dgb_pixel_pair(pixel, frame);\n"
+    "    return weight > 0.0 ? dgb_dithered(x, fract(vec4(pair, pair + 0.5))) : x;\n"
+    "}\n",
     0
 };
 
@@ -2193,16 +2205,6 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
     "\n"
-    "// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with\n"
-    "// a small share of each frame, an average stays where a frame moves it less than it rounds. weight: of history; without it x is no\n"
-    "// average, and stays.\n"
-    "vec4 dgb_dithered(vec4 x, float weight, ivec2 pixel) {\n"
-    "    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));\n"
-    "    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one\n"
-    "    bvec4 coarse = greaterThanEqual(abs(x), vec4(weight > 0.0 ? 6.103515625e-5 : 1e30)); // 2^-14\n"
-    "    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), coarse);\n"
-    "}\n"
-    "\n"
     "#if DGB_LIMITED\n"
     "// What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.\n"
     "vec4 dgb_sample_at(int of, ivec2 p) {\n"
@@ -2245,7 +2247,7 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "#endif\n"
     "    float weight = dgb_history_weight(h.frames);\n"
     "    vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));\n"
-    "    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel) : vec4(0.0);\n"
+    "    return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));\n"
     "}\n"
     "\n"
     "void main() {\n"
@@ -2260,23 +2262,23 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec4 filtered      = dgb_filtered(0, pixel, raw, h);\n"
     "    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;\n"
     "#endif\n"
-    "#if DGB_FILTER_AO\n",
+    "#if DGB_FILTER_AO\n"
     "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility);\n"
     "#if DGB_LIMITED\n"
     "    dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);\n"
     "#endif\n"
     "    float weight = dgb_history_weight(h.visibility_frames);\n"
-    "    open         = dgb_dithered(mix(open, before, weight), weight, pixel);\n"
+    "    open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));\n"
     "#endif\n"
     "#if DGB_BENT\n"
     "    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);\n"
     "    vec4 average = mix(bent, h.bent, weight);\n"
-    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, weight, pixel) : bent;\n"
+    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;\n"
     "#endif\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);\n"
     "\n"
-    "#if DGB_DEEP\n"
+    "#if DGB_DEEP\n",
     "    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);\n"
     "    vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);\n"
     "    vec4        deep    = dgb_filtered(1, pixel, raw1, h1);\n"
@@ -2985,11 +2987,15 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "    dgb_mean mean  = dgb_mean_at(pixel, own);\n"
     "#if DGB_HISTORY\n"
     "    dgb_history h  = dgb_usable_history(pixel, own, mean.way);\n"
-    "    mean.weighed   = mix(mean.weighed, h.weighed, min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z));\n"
+    "    float weight   = min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z);\n"
+    "    mean.weighed   = mix(mean.weighed, h.weighed, weight);\n"
     "    dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);\n"
     "#endif\n"
-    "    vec4 filtered      = dgb_unweigh(mean.weighed);\n",
-    "    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);\n"
+    "    vec4 filtered = dgb_unweigh(mean.weighed);\n"
+    "    filtered.rgb  = dgb_storable(filtered.rgb);\n"
+    "#if DGB_HISTORY\n",
+    "    filtered = dgb_averaged(filtered, weight, pixel, dgb_glossy_size.y);\n"
+    "#endif\n"
     "    dgb_out_reflection = rough ? filtered : raw;\n"
     "}\n",
     0
@@ -4316,20 +4322,29 @@ typedef struct dgbgli_view_uniforms { /* dgb_view_block */
 /* Samplers of the program; the unit of each is its place. */
 static const char* const dgbgli_view_samplers[4] = {"dgb_view_depth", "dgb_view_layer", "dgb_view_image", "dgb_view_z"};
 
+static void dgbgli_put_view_head(dgbgli_text* t, int version, bool es) {
+    int i;
+    dgbgli_put_version(t, version, es);
+    dgbgli_put_precision(t, es);
+    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(t, dgbgli_views[i].define, i);
+}
+
+static void dgbgli_view_chunks(dgbgl_stage stage, dgbgli_chunks* c) {
+    dgbgli_add_chunks(c, stage == DGBGL_VERTEX ? dgbgli_glsl_fullscreen : dgbgli_glsl_common);
+    if (stage == DGBGL_FRAGMENT) dgbgli_add_chunks(c, dgbgli_glsl_view);
+}
+
 static bool dgbgli_make_view_program(dgbgl_backend* b) {
     char head[1024];
     dgbgli_text t = dgbgli_text_on(head, sizeof head);
     dgbgli_chunks vertex, fragment;
     int i;
     if (b->view_program) return true;
-    dgbgli_put_version(&t, b->version, b->es);
-    dgbgli_put_precision(&t, b->es);
-    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(&t, dgbgli_views[i].define, i);
+    dgbgli_put_view_head(&t, b->version, b->es);
     vertex.pieces[0] = fragment.pieces[0] = head;
     vertex.count = fragment.count = 1;
-    dgbgli_add_chunks(&vertex, dgbgli_glsl_fullscreen);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_common);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_view);
+    dgbgli_view_chunks(DGBGL_VERTEX, &vertex);
+    dgbgli_view_chunks(DGBGL_FRAGMENT, &fragment);
     b->view_program = dgbgli_make_program(b, "view", &vertex, &fragment);
     if (!b->view_program) return false;
     dgbgli_connect_block(b, b->view_program, "view");

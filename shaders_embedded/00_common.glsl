@@ -60,6 +60,13 @@ float dgb_nearest(float x, int bits) {
 
 vec3 dgb_nearest(vec3 v) { return vec3(dgb_nearest(v.x, 6), dgb_nearest(v.y, 6), dgb_nearest(v.z, 5)); }
 
+vec4 dgb_dithered(vec4 x, vec4 u) {
+    uvec4 below  = 2u + uvec4(u * 8188.0);
+    vec4  coarse = uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u);
+    vec4  fine   = floor(x * 16777216.0 + vec4(below) / 8192.0) / 16777216.0;
+    return mix(fine, coarse, greaterThanEqual(abs(x), vec4(6.103515625e-5)));
+}
+
 int dgb_pixel_hash(ivec2 pixel, int frame) {
     uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;
     h      = (h ^ (h >> 16)) * 0x7feb352du;

@@ -102,16 +102,6 @@ float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb
 
 float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
 
-// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with
-// a small share of each frame, an average stays where a frame moves it less than it rounds. weight: of history; without it x is no
-// average, and stays.
-vec4 dgb_dithered(vec4 x, float weight, ivec2 pixel) {
-    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));
-    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one
-    bvec4 coarse = greaterThanEqual(abs(x), vec4(weight > 0.0 ? 6.103515625e-5 : 1e30)); // 2^-14
-    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), coarse);
-}
-
 #if DGB_LIMITED
 // What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.
 vec4 dgb_sample_at(int of, ivec2 p) {
@@ -154,7 +144,7 @@ vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, dgb_history h) {
 #endif
     float weight = dgb_history_weight(h.frames);
     vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));
-    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel) : vec4(0.0);
+    return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));
 }
 
 void main() {
@@ -175,13 +165,13 @@ void main() {
     dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);
 #endif
     float weight = dgb_history_weight(h.visibility_frames);
-    open         = dgb_dithered(mix(open, before, weight), weight, pixel);
+    open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));
 #endif
 #if DGB_BENT
     vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);
     vec4 average = mix(bent, h.bent, weight);
-    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, weight, pixel) : bent;
+    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;
 #endif
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);
 

@@ -131,6 +131,32 @@ static void test_any_start_settles(void** state) {
     assert_true(apart(low.light, fresh.light) < 0.01 && apart(high.light, fresh.light) < 0.01);
 }
 
+/* Where no frame has found any light for long, the first that does shows it, though with little confidence. */
+static void test_light_that_comes_late(void** state) {
+    static const float frames[4] = {1.0f, 1000.0f, 1000.0f, 1000.0f}, none[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    stage s = open_stage(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, 0.0f);
+    float *raw, *mean;
+    int i, k, lit = 0;
+    (void)state;
+    s.params.history_weight = 0.999f;
+    shade(&s);
+    plant(&s, DGB_FRAMES, frames), plant(&s, DGB_IRRADIANCE_MEAN, none);
+    shade(&s);
+    raw = fixture_image(&s.c, DGB_IRRADIANCE_RAW, 0, 4);
+    mean = fixture_image(&s.c, DGB_IRRADIANCE_MEAN, 0, 4);
+    for (i = 0; i < PIXELS; ++i) {
+        if (raw[4 * i + 3] < 0.01f) continue; /* so little that of a thousandth halves do not tell more than a tenth */
+        ++lit;
+        assert_true(fabsf(mean[4 * i + 3] / raw[4 * i + 3] - 0.001f) < 1e-4f);
+        for (k = 0; k < 3; ++k) /* stored twice */
+            assert_true(fabs((double)mean[4 * i + k] - (double)raw[4 * i + k]) <=
+                        2.0 * tally_half_ulp((double)raw[4 * i + k]));
+    }
+    assert_true(lit > PIXELS / 4);
+    free(raw), free(mean);
+    stage_close(&s);
+}
+
 /* Frames are counted to 1000, which is more than the greatest weight takes. */
 static void test_most_frames(void** state) {
     static const float near_end[4] = {1.0f, 998.0f, 998.0f, 998.0f};
@@ -267,6 +293,7 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_any_start_settles),
+        cmocka_unit_test(test_light_that_comes_late),
         cmocka_unit_test(test_most_frames),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_wide_limits_change_nothing),

@@ -36,7 +36,7 @@ static void run_frame(dgb_context* c, GLuint program) {
     assert_int_equal(dgb_shade(c, &q), DGB_OK);
 }
 
-static float* read_irradiance(const dgb_context* c) { return fixture_image(c, DGB_IRRADIANCE, 0, 4); }
+static float* read_irradiance(const dgb_context* c) { return fixture_shaded(c, DGB_IRRADIANCE, 4); }
 
 /* >> bindings that die */
 
@@ -513,10 +513,14 @@ static void test_varyings(void** state) {
         dgb_desc d = small_desc();
         dgb_context c;
         d.emission = emissions[e];
+        if (!fixture_offers(&f, &d)) continue;
         assert_int_equal(dgb_init(&c, &d), DGB_OK);
-        for (i = 0; i < sizeof good / sizeof good[0]; ++i)
-            if (!varying_compiles(&c, &good[i].varying, good[i].write, good[i].read))
-                fail_msg("%s %s does not compile", good[i].varying.type, good[i].varying.name);
+        for (i = 0; i < sizeof good / sizeof good[0]; ++i) {
+            const dgbgl_varying* v = &good[i].varying;
+            const bool refused = strchr(v->name, '[') && f.gl.version < 430; /* arrays need it */
+            if (varying_compiles(&c, v, good[i].write, good[i].read) == refused)
+                fail_msg("%s %s %s", v->type, v->name, refused ? "is taken" : "does not compile");
+        }
         faults = 0;
         f.gl.desc.message = count_fault;
         for (i = 0; i < sizeof bad / sizeof bad[0]; ++i)

@@ -287,6 +287,39 @@ static void test_bodies(void** state) {
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
+/* A pane stands on a wall, so wide that it nears the eye, in steps so long that its plane goes on along them beyond every radius. From
+   the wall it is seen no higher than the radius above it: at a distance d from it, a slice towards it has at most r^2 / (r^2 + d^2) of
+   its cosine-weighted share below. A frame has one such slice, and one away from it. The line of sight, about which slices turn, is
+   off the wall's normal by up to 12 degrees, and sectors are 1/64 of the whole: 0.05. */
+static void test_nothing_reaches_beyond_the_radius(void** state) {
+    static const pane panes[] = {{{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0},
+                                 {{0.4, -3.0, -5.0}, {0.0, 0.0, 4.0}, {0.0, 6.0, 0.0}, 0.0}};
+    stage s = open_stage(193, 145, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    double worst = -1.0;
+    int frame, x, y, hit = 0;
+    (void)state;
+    s.params.radius = 1.5f;
+    s.params.samples = 2;
+    trace(&s, panes, 2);
+    for (frame = 0; frame < 16; ++frame) {
+        float* light;
+        shade(&s);
+        light = fixture_image(&s.c, DGB_IRRADIANCE_RAW, 0, 4);
+        for (y = 50; y < 95; ++y)
+            for (x = 70; x < 90; ++x) { /* 0.3 to 0.98 of the radius from it */
+                double point[3], hidden = (double)light[4 * (y * 193 + x) + 3], d;
+                point_on(&s, &panes[0], x, y, point);
+                d = (0.4 - point[0]) / 1.5;
+                hit += hidden > 0.1;
+                worst = fmax(worst, hidden - 0.5 / (1.0 + d * d));
+            }
+        free(light);
+    }
+    print_message("beside a pane: hidden %d times, %+.4f more than its height at most\n", hit, worst);
+    assert_true(hit > 100 && worst < 0.05);
+    stage_close(&s);
+}
+
 /* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its
    back is drawn, but for a quarter of the most, and goes as far as the second layer at the latest, which is the
    wall. */
@@ -561,11 +594,17 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_open_is_the_normal), cmocka_unit_test(test_bent_beside_a_body),
-        cmocka_unit_test(test_planes_are_open),    cmocka_unit_test(test_bodies),
-        cmocka_unit_test(test_thickness),          cmocka_unit_test(test_glowing_wall),
-        cmocka_unit_test(test_back_of_a_lamp),     cmocka_unit_test(test_hidden_lamp),
-        cmocka_unit_test(test_any_image),          cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_open_is_the_normal),
+        cmocka_unit_test(test_bent_beside_a_body),
+        cmocka_unit_test(test_planes_are_open),
+        cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_nothing_reaches_beyond_the_radius),
+        cmocka_unit_test(test_thickness),
+        cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),
+        cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_any_image),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
 }

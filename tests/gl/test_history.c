@@ -98,6 +98,11 @@ static dgb_desc desc_of(const how* h) {
     return d;
 }
 
+static bool is_offered(const how* h) {
+    const dgb_desc d = desc_of(h);
+    return fixture_offers(&f, &d);
+}
+
 static float turn_of(int n, int axis) { return sinf((float)(n * (axis ? 3 : 2) + axis)); } /* no two frames alike */
 
 static dgb_view view_at(const how* h, int n) {
@@ -181,14 +186,15 @@ static void read_results(const dgb_context* c, frame* out) {
                           mean[] = {DGB_IRRADIANCE_MEAN, DGB_IRRADIANCE1_MEAN}, half[] = {DGB_HALF, DGB_HALF1},
                           light[] = {DGB_IRRADIANCE, DGB_IRRADIANCE1};
     int l;
-    out->ao_raw = fixture_image(c, DGB_AO_RAW, 0, 1);
-    out->frames = fixture_image(c, DGB_FRAMES, 0, 4);
-    out->ao = fixture_image(c, DGB_AO, 0, 1);
+    out->ao_raw = fixture_shaded(c, DGB_AO_RAW, 1);
+    out->frames = fixture_shaded(c, DGB_FRAMES, 4);
+    out->ao = fixture_shaded(c, DGB_AO, 1);
     for (l = 0; l < 2; ++l) {
-        out->raw[l] = fixture_image(c, raw[l], 0, 4);
-        out->mean[l] = fixture_image(c, mean[l], 0, 4);
+        out->raw[l] = fixture_shaded(c, raw[l], 4);
+        out->mean[l] = fixture_shaded(c, mean[l], 4);
         out->half[l] = fixture_read_half(dgb_get_texture(c, half[l]), c->plan.width, c->plan.height, NULL);
-        out->light[l] = fixture_image(c, light[l], 0, 4);
+        fixture_blank_unshaded(c, out->half[l], 4);
+        out->light[l] = fixture_shaded(c, light[l], 4);
     }
 }
 
@@ -478,7 +484,7 @@ static void test_reference_cameras(void** state) {
     how h = default_how();
     (void)state;
     h.view.reversed = true, h.view.clip = DGB_CLIP_ZERO_TO_ONE, h.view.far_plane = 0.0f;
-    compare_film("reversed, infinite", &h, 3);
+    if (is_offered(&h)) compare_film("reversed, infinite", &h, 3);
     h = default_how();
     h.view.fov = 0.0f;
     compare_film("orthographic", &h, 3);
@@ -713,6 +719,7 @@ static void test_velocities_agree_with_matrices(void** state) {
         int i, layer;
         if (kind == 1) h.view.fov = 0.0f;
         if (kind == 2) h.divisor = 2, h.view.fov = 60.0f;
+        if (!is_offered(&h)) continue;
         m = open_film(&h);
         last = next_frame(&m), now = next_frame(&m);
         l = last_of(&now, &last, true);
@@ -878,6 +885,7 @@ static void test_still_frames_count(void** state) {
         h.engine = kind == 1;
         h.divisor = kind == 2 ? 4 : 1;
         if (kind == 2) h.oracle = DGB_ORACLE_PEEL; /* elsewhere a divided layer may move by a bit of depth */
+        if (!is_offered(&h)) continue;
         m = open_film(&h);
         for (n = 0; n < (kind ? 4 : 9); ++n) {
             frame s = next_frame(&m);

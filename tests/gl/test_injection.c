@@ -286,6 +286,130 @@ static void test_own_textures(void** state) {
     }
 }
 
+/* >> last frame's depth, which WARP asks where the camera moves */
+
+enum { ROOM_WIDTH = 64, ROOM_HEIGHT = 48, ROOM = ROOM_WIDTH * ROOM_HEIGHT, ROOM_LAYERS = 3 };
+
+typedef struct room {
+    dgb_context c;
+    GLuint program;
+} room;
+
+static void open_room(room* r) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    memset(r, 0, sizeof *r);
+    d.width = ROOM_WIDTH, d.height = ROOM_HEIGHT;
+    d.layers = ROOM_LAYERS;
+    d.depth_format = DGB_FORMAT_D32F;
+    d.oracle = DGB_ORACLE_WARP;
+    d.reversed = true;
+    d.clip = DGB_CLIP_ZERO_TO_ONE;
+    d.effects = DGB_EFFECT_AO;
+    d.backend = &f.gl.backend;
+    assert_int_equal(dgb_init(&r->c, &d), DGB_OK);
+    r->program = fixture_program(&r->c);
+    assert_true(r->program != 0);
+}
+
+static void close_room(room* r) {
+    glDeleteProgram(r->program);
+    dgb_shutdown(&r->c);
+}
+
+/* The camera turns and walks; far_plane 0: infinite. */
+static void build_room(room* r, int frame, float far_plane, bool cut) {
+    const dgb_params q = dgb_preset(DGB_PRESET_QUALITY);
+    fixture_view v = fixture_default_view();
+    fixture_draw_user user;
+    dgb_view view;
+    v.reversed = true, v.clip = DGB_CLIP_ZERO_TO_ONE, v.far_plane = far_plane;
+    v.eye[0] += 0.05f * (float)frame, v.yaw += 0.01f * (float)frame;
+    view = fixture_dgb_view(&v, ROOM_WIDTH, ROOM_HEIGHT);
+    view.cut = cut;
+    memset(&user, 0, sizeof user);
+    user.f = &f, user.program = r->program;
+    assert_int_equal(dgb_build(&r->c, &view, &q, fixture_draw, &user), DGB_OK);
+}
+
+static float* read_depth(const room* r, dgb_slot slot, int layer, int layers) {
+    return fixture_read(dgb_get_texture(&r->c, slot), 0, layer, ROOM_WIDTH, ROOM_HEIGHT, layers, GL_DEPTH_COMPONENT, 1);
+}
+
+/* A depth texture holds nothing but depths; what WARP is given in its place holds anything. */
+static GLuint anything;
+static dgb_texture last_depth;
+static void (*bind)(void* user, dgb_slot slot, dgb_texture texture, int level);
+
+static void bind_anything(void* user, dgb_slot slot, dgb_texture texture, int level) {
+    bind(user, slot, texture, level);
+    if (anything && texture.id == last_depth.id) glBindTexture(GL_TEXTURE_2D_ARRAY, anything);
+}
+
+static GLuint texture_of_anything(void) {
+    static float depths[ROOM_LAYERS * ROOM];
+    GLuint name;
+    int i;
+    for (i = 0; i < ROOM_LAYERS * ROOM; ++i) depths[i] = i % 4 ? injected() : random_unit();
+    glGenTextures(1, &name);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, name);
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32F, ROOM_WIDTH, ROOM_HEIGHT, ROOM_LAYERS, 0, GL_RED, GL_FLOAT, depths);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    return name;
+}
+
+static void check_depth(const room* r, dgb_slot slot, int layers) {
+    int layer, i;
+    for (layer = 0; layer < layers; ++layer) {
+        float* depth = read_depth(r, slot, layer, layers);
+        for (i = 0; i < ROOM; ++i)
+            if (!(depth[i] >= 0.0f && depth[i] <= 1.0f))
+                fail_msg("layer %d of %s holds %g at %d", layer, dgb_slot_name(slot), (double)depth[i], i);
+        free(depth);
+    }
+}
+
+static int count_different(const room* a, const room* b, int layer) {
+    float *x = read_depth(a, DGB_DEPTH, layer, ROOM_LAYERS), *y = read_depth(b, DGB_DEPTH, layer, ROOM_LAYERS);
+    int i, count = 0;
+    for (i = 0; i < ROOM; ++i) count += x[i] != y[i];
+    free(x), free(y);
+    return count;
+}
+
+/* Layers hold depth, whatever WARP made of what it was given. The first asks nobody, and a cut peels. */
+static void test_warp(void** state) {
+    static const float far_planes[] = {0.0f, 60.0f};
+    int i, frame, layer;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        room clean, sick;
+        open_room(&clean), open_room(&sick);
+        random_state = (uint32_t)i;
+        bind = sick.c.backend.texture_bind;
+        sick.c.backend.texture_bind = bind_anything;
+        last_depth = dgb_get_texture(&sick.c, DGB_DEPTH);
+        for (frame = 0; frame < 8; ++frame) {
+            const bool peels = frame == 0 || frame == 7;
+            build_room(&clean, frame, far_planes[i], peels);
+            anything = peels ? 0 : texture_of_anything();
+            build_room(&sick, frame, far_planes[i], peels);
+            glDeleteTextures(1, &anything);
+            if (!peels) check_depth(&sick, DGB_ORACLE, ROOM_LAYERS - 1);
+            check_depth(&sick, DGB_DEPTH, ROOM_LAYERS);
+            for (layer = 0; layer < ROOM_LAYERS; ++layer) {
+                const int different = count_different(&clean, &sick, layer);
+                if (layer == 0 || peels) assert_int_equal(different, 0);
+                if (layer == 1 && !peels) assert_true(different > ROOM / 8); /* it was asked */
+            }
+        }
+        close_room(&clean), close_room(&sick);
+    }
+}
+
+/* >> parameters */
+
 /* Lengths and factors anywhere in what is accepted, several at a time. */
 static void inject_params(dgb_params* q) {
     static const float values[] = {0.0f, 1e-45f, 1e-30f, 1e-15f, 1e-6f, 0.999f, 1.0f, 25.0f, 1e6f, 1e14f, 1e30f, 3e38f};
@@ -332,10 +456,8 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inputs),
-        cmocka_unit_test(test_own_textures),
-        cmocka_unit_test(test_params),
-        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_inputs), cmocka_unit_test(test_own_textures), cmocka_unit_test(test_warp),
+        cmocka_unit_test(test_params), cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("injection", tests, open_context, close_context);
 }

@@ -36,7 +36,7 @@ static void GLAPIENTRY counting_compile_shader(GLuint shader) {
 static void* counting_get_proc(const char* name) {
     GLuint(GLAPIENTRY * create)(void) = counting_create_program;
     void(GLAPIENTRY * compile)(GLuint) = counting_compile_shader;
-    void* address = headless_get_proc(name);
+    void* address = fixture_get_proc(name);
     if (strcmp(name, "glCreateProgram") == 0) memcpy(&address, &create, sizeof address);
     if (strcmp(name, "glCompileShader") == 0) memcpy(&address, &compile, sizeof address);
     return address;
@@ -105,6 +105,11 @@ static dgb_desc desc_of(const setup* s) {
     return d;
 }
 
+static bool is_offered(const setup* s) {
+    const dgb_desc d = desc_of(s);
+    return fixture_offers(&f, &d);
+}
+
 static dgb_view view_at(const setup* s, int frame) {
     fixture_view v = s->view;
     dgb_view view;
@@ -127,11 +132,13 @@ static void read_shot(shot* s, const dgb_params* q) {
     s->normals = fixture_image(c, DGB_NORMALS, 0, 2 * s->r.layers);
     s->radiance[0] = fixture_image(c, DGB_B0, 0, 3);
     s->radiance[1] = fixture_image(c, DGB_B1, 0, 3);
-    s->ao_raw = fixture_image(c, DGB_AO_RAW, 0, 1);
-    s->ao = fixture_image(c, DGB_AO, 0, 1);
-    s->irradiance_raw = fixture_image(c, DGB_IRRADIANCE_RAW, 0, 4);
+    s->ao_raw = fixture_shaded(c, DGB_AO_RAW, 1);
+    s->ao = fixture_shaded(c, DGB_AO, 1);
+    s->irradiance_raw = fixture_shaded(c, DGB_IRRADIANCE_RAW, 4);
     s->irradiance_half = fixture_read_half(dgb_get_texture(c, DGB_HALF), c->plan.width, c->plan.height, &s->ao_half);
-    s->irradiance = fixture_image(c, DGB_IRRADIANCE, 0, 4);
+    fixture_blank_unshaded(c, s->irradiance_half, 4);
+    fixture_blank_unshaded(c, s->ao_half, 1);
+    s->irradiance = fixture_shaded(c, DGB_IRRADIANCE, 4);
     reference_open(&s->r, c, s->z, s->normals, (const float* const*)s->radiance);
 }
 
@@ -276,7 +283,7 @@ static bool in_range(const float* values, size_t count, float low, float high) {
     return true;
 }
 
-/* Every image is finite and in range, the unshaded border of the results included. */
+/* Every image is finite and in range. */
 static void check_ranges(const shot* s) {
     const size_t texels = (size_t)s->r.width * (size_t)s->r.height;
     const float* light[] = {s->irradiance_raw, s->irradiance_half, s->irradiance};
@@ -325,17 +332,17 @@ static void test_reference(void** state) {
     compare_all("three layers, two shaded", &s);
     s.layers = 2;
     s.divisor = 2;
-    compare_all("layer 1 at half the resolution", &s);
+    if (is_offered(&s)) compare_all("layer 1 at half the resolution", &s);
     s.divisor = 4;
     s.width += 1; /* no multiple of it */
-    compare_all("layer 1 at a quarter of the resolution", &s);
+    if (is_offered(&s)) compare_all("layer 1 at a quarter of the resolution", &s);
 }
 
 static void test_reference_cameras(void** state) {
     setup s = default_setup();
     (void)state;
     s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE, s.view.far_plane = 0.0f;
-    compare_all("reversed, infinite", &s);
+    if (is_offered(&s)) compare_all("reversed, infinite", &s);
     s = default_setup();
     s.shift[0] = 0.31f, s.shift[1] = -0.17f;
     s.view.jitter[0] = 0.37f, s.view.jitter[1] = -0.22f;
@@ -345,7 +352,7 @@ static void test_reference_cameras(void** state) {
     compare_all("orthographic", &s);
     s.shift[0] = 0.11f, s.shift[1] = 0.23f;
     s.view.reversed = true, s.view.clip = DGB_CLIP_ZERO_TO_ONE;
-    compare_all("orthographic, off-centre, reversed", &s);
+    if (is_offered(&s)) compare_all("orthographic, off-centre, reversed", &s);
     s = default_setup();
     s.depth_format = DGB_FORMAT_D16;
     compare_all("D16", &s);
@@ -440,6 +447,7 @@ static void test_pack(void** state) {
         if (kind == 2) s.view.fov = 0.0f;
         if (kind == 3) s.layers = 1;
         if (kind == 4) s.divisor = 4, s.width += 3;
+        if (!is_offered(&s)) continue;
         t = take(&s);
         for (layer = 0; layer < s.layers; ++layer) check_packed_layer(&t, layer, &worst);
         printf("# camera z off by %g relative at most\n", worst);

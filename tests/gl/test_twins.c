@@ -29,7 +29,7 @@ static const char* library_text(void) {
                                   {"DGB_DIVISOR", 1},
                                   {"DGB_NORMAL_TEST", 0},
                                   {"DGB_BITMASK_LIGHT", 0}}}; /* with all that is shared */
-    const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, 450, false, text, sizeof text);
+    const size_t size = dgbgl_pass_source(&ao, DGBGL_FRAGMENT, f.gl.version, false, text, sizeof text);
     char *line = text, *last = NULL;
     assert_true(size > 0 && size < sizeof text);
     while ((line = strstr(line, "#line")) != NULL) last = line++;
@@ -42,7 +42,7 @@ static const char* library_text(void) {
 }
 
 static const char vertex_text[] =
-    "#version 410 core\n"
+    "#version 330 core\n"
     "void main() {\n"
     "    vec2 corner = vec2(float((gl_VertexID & 1) << 2), float((gl_VertexID & 2) << 1));\n"
     "    gl_Position = vec4(corner - 1.0, 0.0, 1.0);\n"
@@ -404,6 +404,22 @@ static void test_half_store(void** state) {
             mismatches += !equal_or_below(codes[i][k], dgb_half_from_float(dgb_storable(in[i][0][k])));
         }
     check_equal("RGBA16F store", mismatches, 0);
+}
+
+static void test_dithered(void** state) {
+    int i, k, mismatches = 0;
+    (void)state;
+    for (i = 0; i < CASES; ++i) {
+        for (k = 0; k < 4; ++k) in[i][0][k] = random_size(1e-9f, 65504.0f), in[i][1][k] = random_in(0.0f, 1.0f);
+        if (is_hostile(i)) make_hostile(in[i][0], 4);
+    }
+    evaluate("floatBitsToUint(dgb_dithered(given(0), given(1)))", 2);
+    for (i = 0; i < CASES; ++i)
+        for (k = 0; k < 4; ++k) {
+            const float host = dgb_dithered(in[i][0][k], in[i][1][k]), device = device_float(i, k);
+            mismatches += device != host && bits_of(device) != bits_of(host) && !(isnan(device) && isnan(host));
+        }
+    check_equal("dithered", mismatches, 0);
 }
 
 /* >> integers: hash, MIP level and source */
@@ -1034,7 +1050,7 @@ static void test_directions(void** state) {
 /* The snippet's, which no pass has. */
 static void test_bent_cosine(void** state) {
     static char snippet[1 << 14];
-    const char* texts[] = {"#version 450 core\n", snippet, input_text, "layout(location = 0) out uvec4 twin_out;\n",
+    const char* texts[] = {"#version 330 core\n", snippet, input_text, "layout(location = 0) out uvec4 twin_out;\n",
                            "void main() { twin_out = uvec4(floatBitsToUint(dgb_bent_cosine(given(0)))); }\n"};
     tally t = tally_of("bent cosine");
     int i, k;
@@ -1060,6 +1076,7 @@ int main(void) {
         TWIN(test_storable),
         TWIN(test_r11g11b10f_store),
         TWIN(test_half_store),
+        TWIN(test_dithered),
         TWIN(test_pixel_hash),
         TWIN(test_mip_level),
         TWIN(test_mip_source),

@@ -12,6 +12,7 @@
 typedef struct fixture {
     headless window;
     dgbgl_backend gl;
+    bool limited; /* the context is of a lower version than was asked for (DGB_GL_VERSION) */
     int messages; /* KHR_debug messages above notification so far */
     GLuint vertices, vertex_array;
     int static_count, moving_count; /* vertices of the room, then of the moving box */
@@ -35,7 +36,11 @@ typedef struct fixture_view { /* where the camera is; `fixture_default_view` sta
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
 void fixture_close(fixture* f);
 
-/* headless_get_proc; with DGB_CLEAR_TEXTURES set in the environment fresh textures are zero. */
+/* For the cases of a loop: whether this context can do what a desc asks for. Only a limited one may refuse anything; it prints
+   `# left out ITEM`. */
+bool fixture_offers(const fixture* f, const dgb_desc* desc);
+
+/* headless_get_proc; fresh textures are full of numbers of their own, where there is OpenGL 4.4. */
 void* fixture_get_proc(const char* name);
 
 /* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages,
@@ -86,12 +91,20 @@ void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const 
 /* The pixels that are shaded: x0, y0, x1, y1, inclusive. */
 void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]);
 
+/* Zeros where an image of the context's size is not shaded: there it is undefined, and no test may look. Null: nothing. */
+void fixture_blank_unshaded(const dgb_context* c, float* image, int channels);
+/* fixture_image of level 0, zero where it is not shaded. */
+float* fixture_shaded(const dgb_context* c, dgb_slot slot, int channels);
+
 /* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient
    visibility, unless null. Caller frees both. Null where there is no such texture. */
 float* fixture_read_half(dgb_texture texture, int width, int height, float** ao);
 
 /* Objects alive in the context, of names below 4096. */
 int fixture_count_objects(void);
+/* Bytes of the textures and buffers among them, as GL gives their sizes; and of the process's heap, 0 where nobody counts. */
+size_t fixture_count_bytes(void);
+size_t fixture_count_heap(void);
 
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);

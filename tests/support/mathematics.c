@@ -84,6 +84,10 @@ static void call_half_to_float(const uint32_t* in, uint32_t* out) {
     out[0] = bits_of(dgb_half_to_float((uint16_t)(in[0] >> 16)));
 }
 
+static void call_dithered(const uint32_t* in, uint32_t* out) {
+    out[0] = bits_of(dgb_dithered(from_bits(in[0]), from_bits(in[1])));
+}
+
 /* >> taps */
 
 static void call_spiral_turns(const uint32_t* in, uint32_t* out) { out[0] = (uint32_t)dgb_spiral_turns(int_of(in[0])); }
@@ -343,6 +347,7 @@ const mathematics_function mathematics[] = {
     {"dgb_r11g11b10f_unpack", true, 1, 3, MATHEMATICS_WORDS, 0, 0, call_r11g11b10f_unpack},
     {"dgb_half_from_float", true, 1, 1, MATHEMATICS_COUNTS, 0, 0x7bff, call_half_from_float},
     {"dgb_half_to_float", true, 1, 1, MATHEMATICS_WORDS, 0, 0, call_half_to_float},
+    {"dgb_dithered", true, 2, 1, MATHEMATICS_WORDS, 0, 0, call_dithered},
     {"dgb_spiral_turns", true, 1, 1, MATHEMATICS_COUNTS, 0, 820265627, call_spiral_turns},
     {"dgb_spiral_tap", false, 2, 3, MATHEMATICS_FLOATS, -1, 1, call_spiral_tap},
     {"dgb_rotation", false, 1, 2, MATHEMATICS_FLOATS, -1, 1, call_rotation},

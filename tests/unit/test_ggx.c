@@ -388,6 +388,12 @@ static void test_normals_of_anything(void** state) {
     assert_memory_equal(h, n, sizeof h);
     dgb_ggx_normal(away, n, 0.5f, u, h); /* seen from behind: back to the viewer */
     assert_memory_equal(h, away, sizeof h);
+    for (i = 0; i < 4; ++i) { /* no place in the square: likewise */
+        const float odd = i / 2 ? INFINITY : from_bits(0x7fc00000u),
+                    nowhere[2] = {i % 2 ? 0.3f : odd, i % 2 ? odd : 0.7f};
+        dgb_ggx_normal(v, n, 0.5f, nowhere, h);
+        assert_memory_equal(h, v, sizeof h);
+    }
     for (i = 0; i < 200000; ++i) {
         float in[9];
         for (k = 0; k < 9; ++k) in[k] = odd_float(&seed);
