@@ -653,9 +653,9 @@ DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
 /* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
 DGB_API uint16_t dgb_half_from_float(float x);
 DGB_API float dgb_half_to_float(uint16_t half);
-/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is stored. Stores
-   that always go the same way add up: with a small share of each frame, an average stays where a frame moves it less than it
-   rounds. What is a half but for a rounding stays one for every u. */
+/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is
+   stored. Stores that always go the same way add up: with a small share of each frame, an average stays where a frame
+   moves it less than it rounds. What is a half but for a rounding stays one for every u. */
 DGB_API float dgb_dithered(float x, float u);
 
 /* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in

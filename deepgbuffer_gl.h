@@ -389,8 +389,8 @@ DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
                                  size_t capacity);
 
-/* Time of a pass two frames ago on the GPU's clock, all of its steps. false, *milliseconds untouched: no timers here, no
-   result yet, or null or a pass out of range. Never waits. */
+/* Time of a pass two frames ago on the GPU's clock, all of its steps. false, *milliseconds untouched: no timers here,
+   no result yet, or null or a pass out of range. Never waits. */
 DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds);
 
 #ifdef __cplusplus
