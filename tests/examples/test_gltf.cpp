@@ -336,7 +336,7 @@ const Case kCases[] = {
     {"normal scale that is not finite", "\"scale\": 1", "\"scale\": -1e200", "not finite"},
     {"emission that is not finite", "\"emissiveStrength\": 2", "\"emissiveStrength\": 1e60", "not finite"},
     {"radiance that is no list", "\"alphaMode\": \"MASK\"", "\"extras\": {\"radiance\": 1}", "radiance of a material"},
-    {"radiance of two numbers", "\"alphaMode\": \"MASK\"", "\"extras\": {\"radiance\": [1, 2]}",
+    {"radiance of four numbers", "\"alphaMode\": \"MASK\"", "\"extras\": {\"radiance\": [1, 2, 3, 4]}",
      "radiance of a material"},
     {"radiance of words", "\"alphaMode\": \"MASK\"", "\"extras\": {\"radiance\": [1, 2, \"3\"]}",
      "radiance of a material"},
