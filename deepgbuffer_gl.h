@@ -506,13 +506,13 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    uvec2 turns = uvec2(h, g) + uint(frame) * uvec2(3242174889u, 2447445414u);\n"
     "    return (vec2(turns >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
-    "\n"
+    "\n",
     "int dgb_hilbert_index(ivec2 pixel) {\n"
     "    uvec2 p     = uvec2(pixel);\n"
-    "    uint  index = 0u;\n",
+    "    uint  index = 0u;\n"
     "    for (int bit = 5; bit >= 0; --bit) {\n"
     "        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper\n"
-    "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n",
+    "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n"
     "        p             = quarter.y == 0u ? p.yx ^ (0u - quarter.x) : p;\n"
     "    }\n"
     "    return int(index);\n"
@@ -606,16 +606,16 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return min(dgb_pixels_per_metre(z, camera) * radius, most);\n"
     "}\n"
     "\n"
-    "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
+    "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n",
     "\n"
     "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// passes guarantee; dgb_ao_term below takes anything.\n"
-    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n",
+    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float d2 = dot(v, v);\n"
     "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
     "    return a * a / (d2 + epsilon);\n"
     "}\n"
-    "\n",
+    "\n"
     "float dgb_ao_term(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
     "    float squared = dgb_ao_term_squared(v, n, inv_r2, beta, epsilon);\n"
     "    return squared > 0.0 && squared <= 1.0 ? sqrt(squared) : 0.0;\n"
