@@ -1768,7 +1768,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "\n"
     "dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {\n"
     "    vec4         a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
-    "    float        reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);\n"
+    "    float        reach = dgb_reach(z, dgb_bitmask_radius.x, dgb_bitmask_radius.w, dgb_bitmask_camera);\n"
     "    dgb_receiver r;\n"
     "    r.centre  = dgb_centre(layer, pixel);\n"
     "    r.z       = z;\n"
@@ -1782,9 +1782,9 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "    r.noise   = dgb_pixel_quad(pixel, dgb_bitmask_size.w);\n"
     "    return r;\n"
     "}\n"
-    "\n",
-    "vec3 dgb_towards_eye(dgb_receiver r) { return r.sight / r.stretch; } // unit\n"
     "\n"
+    "vec3 dgb_towards_eye(dgb_receiver r) { return r.sight / r.stretch; } // unit\n"
+    "\n",
     "// Slice i: a direction of the cosine-weighted hemisphere picks it, so all slices weigh alike. shift: i of all, 0..1\n"
     "dgb_march dgb_march_at(dgb_receiver r, float shift) {\n"
     "    vec4  noise    = fract(r.noise + shift);\n"
@@ -1854,8 +1854,8 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#endif\n"
     "}\n"
     "\n"
-    "// Sectors that a surface covers with what is behind it, if either end is within the radius. k: steps from x; u: of the sectors\n",
-    "uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float k, float u) {\n"
+    "// Sectors that a surface covers with what is behind it, if either end is within the radius. k: steps from x; u: of the sectors\n"
+    "uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float k, float u) {\n",
     "    vec2 front = l.q.xy + y.s * l.q.zw, back = front - y.thickness * l.q.zw;\n"
     "#if DGB_NORMAL_TEST\n"
     "    vec2 ends = dgb_ends(r, m, l, y, k);\n"
@@ -1942,9 +1942,9 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "\n"
     "#if DGB_BENT\n"
     "// Mean of the open directions in world space, weighted by the cosine, and their share. What is covered is taken from the whole,\n"
-    "// 2/3 of the normal: where nothing is, there is no noise.\n",
+    "// 2/3 of the normal: where nothing is, there is no noise.\n"
     "vec4 dgb_bent(dgb_receiver r, vec4 look) {\n"
-    "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n"
+    "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n",
     "    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;\n"
     "    return dgb_storable_unit(vec4(world, 1.0 - look.a)); // too near to the eye, there is no direction to it\n"
     "}\n"

@@ -70,7 +70,7 @@ struct dgb_surface {
 
 dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {
     vec4         a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;
-    float        reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);
+    float        reach = dgb_reach(z, dgb_bitmask_radius.x, dgb_bitmask_radius.w, dgb_bitmask_camera);
     dgb_receiver r;
     r.centre  = dgb_centre(layer, pixel);
     r.z       = z;
