@@ -4,12 +4,12 @@
        #include "deepgbuffer.h"
        #include "deepgbuffer_gl.h"
    In the one file where DEEPGBUFFER_IMPLEMENTATION is defined, both headers are implemented.
-   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress and
-   eglGetProcAddress both fit).
+   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress
+   and eglGetProcAddress both fit).
 
    NEEDS     OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float (peeling only there).
-   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init (but for
-             dgbgl_draw_view).
+   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init
+             (dgbgl_draw_view excepted).
 
    START (with a context current)
        static dgbgl_backend gl;                             keep it as long as the dgb_context
@@ -22,7 +22,7 @@
        dgb_init(&dgb, &d);
 
    YOUR MATERIAL SHADERS
-       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows and names no version.
+       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows without one.
            uniform mat4 view, projection, model, previous_view, previous_projection, previous_model;      vertex shader
            in vec3 position, normal;  in vec2 uv;  out vec3 v_normal;  out vec2 v_uv;
            void main() {
@@ -39,36 +39,38 @@
                dgb_store(vec4(base.rgb, 1.0), v_normal, vec2(roughness, metallic), emission);
            }
        dgb_instance() replaces gl_InstanceID. Skinned vertices are skinned twice: now, and with last frame's bones.
-       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on under
-       another name, so list them for both functions:
+       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on
+       under another name, so list them for both functions:
            const dgbgl_varying varyings[] = {{NULL, "vec3", "v_normal"}, {NULL, "vec2", "v_uv"}};
        After linking, once: dgbgl_attach_program.
-       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances,
-       and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's main from one of its
-       own; do not call main yourself.
+       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by
+       draw->instances, and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's
+       main from one of its own; do not call main yourself.
 
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
-       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
-       mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip
-       control, program (even one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active
-       texture, textures and samplers of the units used, image units 0 to 4, pixel unpacking, query buffer.
+       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull,
+       polygon mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip
+       distances and clip control, program (even one deleted while in use), vertex array, uniform buffer and the one
+       indexed binding used, active texture, textures and samplers of the units used, image units 0 to 4, pixel
+       unpacking, query buffer.
        desc.keep_state = true skips all of it, and every glGet: then set your own.
-       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns only lines,
-       points and patches.
-       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours that are
-       active count what the library draws.
+       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns
+       only lines, points and patches.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours
+       that are active count what the library draws.
 
    ERRORS OF GL
-       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
-       does not count it against itself. What the driver refused in a call, out of memory or lost with its context, makes
-       dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for errors: do so yourself.
-       After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
+       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message
+       of it and does not count it against itself. What the driver refused in a call, out of memory or lost with its
+       context, makes dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for
+       errors: do so yourself. After a lost context shut everything down and start anew: the library waits for nothing
+       and calls nothing that is null.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback
-       the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding
-       (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
+       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw
+       callback the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding
+       desc.uniform_binding (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
    TO LOOK AT IT
        dgbgl_view_desc v = {0};
@@ -107,7 +109,7 @@ extern "C" {
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
-/* Compiler and linker messages with the pass they belong to; what the driver lacks; errors of GL that are the engine's. */
+/* Compiler and linker messages with the pass they belong to; what the driver lacks; GL errors that the engine left. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
 typedef struct dgbgl_desc {     /* 0 means default */
@@ -289,9 +291,9 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     dgbgl_state state;
 } dgbgl_backend;
 
-/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or with a
-   unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point
-   is missing or an object cannot be made; *gl is then zero. */
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or
+   with a unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when
+   an entry point is missing or an object cannot be made; *gl is then zero. */
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
 /* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
@@ -301,17 +303,17 @@ DGB_API dgb_texture dgbgl_texture(unsigned int name);
 /* GL name of a handle. Layer textures are GL_TEXTURE_2D_ARRAY, all others GL_TEXTURE_2D. */
 DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
 
-/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
-   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context, and,
-   with a message, for a varying that is not as dgbgl_varying says.
+/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at
+   most `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead
+   context, and, with a message, for a varying that is not as dgbgl_varying says.
    `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
 DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
                                    int count, char* text, size_t capacity);
 /* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity);
-/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID for
-   what is no program or not linked. */
+/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID
+   for what is no program or not linked. */
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
 
 typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions with */
@@ -324,19 +326,20 @@ typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions w
     int frames; /* timed for each emission; 0: 8 */
 } dgbgl_calibration;
 
-/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two glFinish,
-   and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle becomes PEEL,
-   which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may be null): the least
-   time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
-   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared; *desc
-   is then untouched. */
+/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two
+   glFinish, and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle
+   becomes PEEL, which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may
+   be null): the least time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
+   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared;
+   *desc is then untouched. */
 DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
                                    double milliseconds[DGB_EMISSION_COUNT]);
 
-/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the library found
-   with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of dgb_bent_direction(bent, normal),
-   dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the light of a prefiltered cube map from where a
-   point is open: put it into the shader that composites, after #version. As snprintf. */
+/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the
+   library found with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of
+   dgb_bent_direction(bent, normal), dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the
+   light of a prefiltered cube map from where a point is open: put it into the shader that composites, after #version.
+   As snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* What dgbgl_draw_view can show. X(name, word, slot, legend); those up to VALIDITY are of one layer. */
@@ -349,7 +352,7 @@ DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
     X(VALIDITY, "validity", DGB_DEPTH, "cyan: the layer has a surface; red: had one, too near to the first")      \
     X(AO, "ao", DGB_AO, "ambient visibility: 1 is open")                                                          \
     X(IRRADIANCE, "irradiance", DGB_IRRADIANCE, "bounced light as white paper would show it")                     \
-    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "share of taps that found a sender of light")                     \
+    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "how far light is known: black not at all")                       \
     X(HISTORY, "history", DGB_FRAMES, "frames averaged: black none, red few, white as many as count")             \
     X(REFLECTION, "reflection", DGB_REFLECTION, "what a mirror or lobe shows, by its confidence")                 \
     X(REFLECTION_LAYER, "reflection_layer", DGB_REFLECTION_HIT,                                                   \
@@ -372,20 +375,22 @@ typedef struct dgbgl_view_desc { /* 0 means default */
     unsigned int texture;    /* LIGHT: a GL_TEXTURE_2D of the image's size */
 } dgbgl_view_desc;
 
-/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB values, within the
-   scissor if that test is on. All other state is kept. The first call compiles a program. A texture that changes places with last
-   frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
+/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB
+   values, within the scissor if that test is on. All other state is kept. The first call compiles a program. A texture
+   that changes places with last frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
    DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments;
    DGB_OUT_OF_MEMORY or DGB_DEVICE where the driver refuses. */
 DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view);
 DGB_API const char* dgbgl_view_name(dgbgl_view view);   /* "reflection_layer"; "?" out of range, here and below */
 DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean */
 
-/* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
+/* Text of a full-screen pass, for inspection and offline compilers. program: of a plan, null: 0. version: as
+   dgbgl_backend.version. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
                                  size_t capacity);
 
-/* Time of a pass two frames ago on the GPU's clock. false: no timers here, or no result yet. Never waits. */
+/* Time of a pass two frames ago on the GPU's clock, all of its steps. false, *milliseconds untouched: no timers here,
+   no result yet, or null or a pass out of range. Never waits. */
 DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds);
 
 #ifdef __cplusplus
@@ -448,7 +453,8 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "// The direction that they mean, of any length: enough where only a sign is asked for.\n"
     "vec3 dgb_unfolded(vec2 p) {\n"
     "    float z = 1.0 - abs(p.x) - abs(p.y);\n"
-    "    return vec3(p - max(-z, 0.0) * dgb_sign(p), z); // what lies below the equator is folded back\n"
+    "    uvec2 fold = floatBitsToUint(vec2(max(-z, 0.0))) | (floatBitsToUint(p) & 0x80000000u); // with the signs of p\n"
+    "    return vec3(p - uintBitsToFloat(fold), z); // what lies below the equator is folded back\n"
     "}\n"
     "\n"
     "vec3 dgb_from_octahedral(vec2 p) { return normalize(dgb_unfolded(p)); }\n"
@@ -506,7 +512,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    uint  index = 0u;\n",
     "    for (int bit = 5; bit >= 0; --bit) {\n"
     "        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper\n"
-    "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n"
+    "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n",
     "        p             = quarter.y == 0u ? p.yx ^ (0u - quarter.x) : p;\n"
     "    }\n"
     "    return int(index);\n"
@@ -522,8 +528,17 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;\n"
     "}\n"
     "\n"
+    "// All bits set where a coordinate is odd.\n"
+    "ivec2 dgb_odd(ivec2 p) {\n"
+    "#if __VERSION__ >= 400\n"
+    "    return bitfieldExtract(p, 0, 1); // with its sign: one instruction\n"
+    "#else // 330 and 300 es have none\n"
+    "    return -(p & 1);\n"
+    "#endif\n"
+    "}\n"
+    "\n"
     "ivec2 dgb_mip_source(ivec2 p, int level) {\n"
-    "    ivec2 odd_texel = -(p & 1); // all bits set where the coordinate is odd\n"
+    "    ivec2 odd_texel = dgb_odd(p);\n"
     "    return (p << level) | (odd_texel.yx & (0xaaaa >> (16 - level))) | (odd_texel & (0x5555 >> (16 - level)));\n"
     "}\n"
     "\n"
@@ -586,11 +601,16 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return w > 0.0 ? camera.footprint.x / w : 0.0;\n"
     "}\n"
     "\n"
+    "// Pixels that a radius (m) covers at depth z, `most` of them at most.\n"
+    "float dgb_reach(float z, float radius, float most, dgb_camera camera) {\n"
+    "    return min(dgb_pixels_per_metre(z, camera) * radius, most);\n"
+    "}\n"
+    "\n"
     "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
     "\n"
     "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// passes guarantee; dgb_ao_term below takes anything.\n"
-    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
+    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n",
     "    float d2 = dot(v, v);\n"
     "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
     "    return a * a / (d2 + epsilon);\n"
@@ -1071,6 +1091,9 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "\n"
     "const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history\n"
     "\n"
+    "// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.\n"
+    "float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }\n"
+    "\n"
     "struct dgb_reprojection {\n"
     "    dgb_camera last;\n"
     "    vec4       to_last[3]; // rows: from this frame's camera space to last frame's\n"
@@ -1144,12 +1167,12 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "#if DGB_DEEP\n"
     "    vec4 e1 = texelFetch(dgb_last_irradiance1, texel, 0);\n"
     "    e       = layer == 1 ? e1 : e;\n"
-    "#endif\n"
+    "#endif\n",
     "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
     "}\n"
     "#endif\n"
     "\n"
-    "// An average with last frame's, as it is stored. weight: of history; without it x is no average, and stays.\n",
+    "// An average with last frame's, as it is stored. weight: of history; without it x is no average, and stays.\n"
     "vec4 dgb_averaged(vec4 x, float weight, ivec2 pixel, int frame) {\n"
     "    vec2 pair = dgb_pixel_pair(pixel, frame);\n"
     "    return weight > 0.0 ? dgb_dithered(x, fract(vec4(pair, pair + 0.5))) : x;\n"
@@ -1382,7 +1405,7 @@ static const char* const dgbgli_glsl_tiles[] = { /* 33_tiles.glsl */
     "\n"
     "// Whether any second-layer surface lies within the radius, in depth and in the image, of any first-layer surface of the tile.\n"
     "bool dgb_second_matters(ivec2 tile, vec4 ours, float radius) {\n"
-    "    float reach = min(dgb_pixels_per_metre(ours.x, dgb_tiles_camera) * radius, dgb_tiles_radius.z);\n"
+    "    float reach = dgb_reach(ours.x, radius, dgb_tiles_radius.z, dgb_tiles_camera);\n"
     "    float range = radius * 1.001; // rounding must not decide\n"
     "    // a tap at MIP level m lies up to 2 * 2^m pixels off; it is 8 * 2^m away, or m is the least level\n"
     "    float pixels = reach * 1.25 + 2.0 * dgb_tiles_radius.w + 1.0;\n"
@@ -1440,22 +1463,31 @@ static const char* const dgbgli_glsl_taps[] = { /* 35_taps.glsl */
     "    return dgb_spiral(centre, dgb_rotation(ivec2(centre), size.w), reach, size.xy, vec2(size.xy) * 0.99999994);\n"
     "}\n"
     "\n"
-    "// h: pixels from the centre; levels: log2 q, min, max.\n"
-    "dgb_tap dgb_tap_beside(vec2 direction, float h, dgb_spiral s, ivec4 levels) {\n"
-    "    vec2    at        = s.centre + h * direction;\n"
-    "    vec2    within    = clamp(at, vec2(0.0), s.last);\n"
+    "// The tap at a position in the buffer, h pixels from the centre; levels: log2 q, min, max.\n"
+    "dgb_tap dgb_tap_of(vec2 at, float h, ivec2 size, ivec4 levels) {\n"
     "    dgb_tap tap;\n"
-    "    tap.inside = at == within;\n"
-    "    tap.level = dgb_mip_level(h, levels.x, levels.y, levels.z);\n"
-    "    tap.texel = min(ivec2(within) >> tap.level, (s.size >> tap.level) - 1);\n"
-    "    tap.pixel = dgb_mip_source(tap.texel, tap.level);\n"
+    "    tap.level  = dgb_mip_level(h, levels.x, levels.y, levels.z);\n"
+    "    tap.texel  = min(ivec2(at), size - (1 << tap.level)) >> tap.level; // a level's last texels stand for all that is left\n"
+    "    tap.pixel  = dgb_mip_source(tap.texel, tap.level);\n"
+    "    tap.inside = true;\n"
     "    return tap;\n"
     "}\n"
     "\n"
     "// table: cos, sin, kappa of the tap.\n"
     "dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {\n"
-    "    vec2 direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);\n"
-    "    return dgb_tap_beside(direction, max(s.reach * table.z, 0.75), s, levels); // nearer taps would land on the shaded pixel itself\n"
+    "    float h         = max(s.reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself\n"
+    "    vec2  direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);\n"
+    "    vec2  at        = s.centre + h * direction, within = clamp(at, vec2(0.0), s.last);\n"
+    "    bool  inside    = at == within; // asked first, so that `at` takes no registers in the meantime\n"
+    "    dgb_tap tap     = dgb_tap_of(within, h, s.size, levels);\n"
+    "    tap.inside      = inside;\n"
+    "    return tap;\n"
+    "}\n"
+    "\n"
+    "// How far it is to the border of the buffer; direction: unit.\n"
+    "float dgb_room(vec2 at, vec2 direction, vec2 size) {\n"
+    "    vec2 room = mix(at, size - at, greaterThan(direction, vec2(0.0))) / max(abs(direction), 1e-6);\n"
+    "    return min(room.x, room.y);\n"
     "}\n"
     "\n"
     "#if DGB_LAYERS > 1\n"
@@ -1516,31 +1548,37 @@ static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
     "    return vec4(p, g, 1.0 / max(p.x + (g + 0.5 * DGB_PI) * p.y, 1e-5));\n"
     "}\n"
     "\n"
-    "// sin^2 cos g + (angle - sin cos) sin g of an angle from the eye; g: cos g, sin g; x: 1 - cosine of the angle, its versine.\n"
-    "float dgb_slice_part(vec2 g, float x) {\n"
+    "// sin^2 cos g + (angle - sin cos) sin g of an angle from the eye; g: cos g, sin g, 2 cos g; x: the angle's versine, 1 - cosine.\n"
+    "float dgb_slice_part(vec3 g, float x) {\n"
     "    float segment = sqrt(x) * (1.8772000 + x * (-0.3058190 + x * (0.0586256 - 0.0473906 * x))); // angle - sin cos, by x\n"
-    "    return x * (g.x * (2.0 - x) + g.y * segment);\n"
+    "    return x * (g.z - g.x * x + g.y * segment);\n"
     "}\n"
     "\n"
     "// dgb_slice_share in three steps: what is the same for all directions, cos g and sin g over the part up to the horizon and the\n"
-    "// horizon's versine; that of a direction {towards the eye, along}, 2 for what does not lie in the slice; the share.\n"
-    "vec3 dgb_slice_scale(vec4 slice) {\n"
+    "// horizon's versine; that of a direction {towards the eye, along}, which lies in the slice; the share, of so many sectors.\n"
+    "vec4 dgb_slice_scale(vec4 slice, float sectors) {\n"
+    "    vec3  g       = vec3(slice.xy, 2.0 * slice.x);\n"
     "    float horizon = 1.0 + slice.y;\n"
-    "    return vec3(slice.xy / max(dgb_slice_part(slice.xy, horizon), 1e-5), horizon);\n"
+    "    return vec4(g * (sectors / max(dgb_slice_part(g, horizon), 1e-5)), horizon);\n"
     "}\n"
     "\n"
-    "float dgb_square(vec2 q) { return q.x * q.x + (q.y * q.y + 1e-30); } // not 0: in this order the sum is a multiply-add\n"
+    "float dgb_versine(vec2 q) { return 1.0 - q.x * inversesqrt(dot(q, q)); }\n"
     "\n"
-    "float dgb_versine(vec2 q) { return q.y >= 0.0 ? 1.0 - q.x * inversesqrt(dgb_square(q)) : 2.0; }\n"
+    "// rounded, a versine may be below 0\n"
+    "float dgb_share(vec4 scale, float versine) { return dgb_slice_part(scale.xyz, min(abs(versine), scale.w)); }\n"
     "\n"
-    "float dgb_share(vec3 scale, float versine) { return dgb_slice_part(scale.xy, min(abs(versine), scale.z)); } // rounded, it may be below 0\n"
-    "\n"
-    "float dgb_slice_share(vec4 slice, vec2 q) { return clamp(dgb_share(dgb_slice_scale(slice), dgb_versine(q)), 0.0, 1.0); }\n"
-    "\n"
-    "uint dgb_sectors(float from, float to, float u) {\n"
-    "    uint low = uint(from * 32.0 + u), high = min(uint(to * 32.0 + u), 32u);\n"
-    "    return low < high ? 0xffffffffu >> (32u - (high - low)) << low : 0u;\n"
+    "float dgb_slice_share(vec4 slice, vec2 q) {\n"
+    "    float versine = q.y >= 0.0 ? 1.0 - q.x * inversesqrt(dot(q, q) + 1e-30) : 2.0;\n"
+    "    return clamp(dgb_share(dgb_slice_scale(slice, 1.0), versine), 0.0, 1.0);\n"
     "}\n"
+    "\n"
+    "// from, to: in sectors, 0..32\n"
+    "uint dgb_sectors_between(float from, float to, float u) {\n"
+    "    uint low = uint(from + u), high = min(uint(to + u), 32u);\n"
+    "    return low < high ? 0xffffffffu >> ((low - high) & 31u) << low : 0u;\n"
+    "}\n"
+    "\n"
+    "uint dgb_sectors(float from, float to, float u) { return dgb_sectors_between(32.0 * from, 32.0 * to, u); }\n"
     "\n"
     "int dgb_sector_count(uint sectors) {\n"
     "#if __VERSION__ >= 400\n"
@@ -1571,11 +1609,11 @@ static const char* const dgbgli_glsl_sectors[] = { /* 37_sectors.glsl */
     "// Four sectors at a time, which lie so near together that any of them has their mean direction.\n"
     "vec2 dgb_sectors_mean(vec4 slice, uint sectors) {\n"
     "    vec2 sum = vec2(0.0), before = vec2(0.0);\n"
-    "    for (int i = 1; i <= 8; ++i) {\n"
+    "    for (int i = 1; i <= 8; ++i) {\n",
     "        vec2 up_to = dgb_slice_sum(slice, dgb_slice_angle(slice, 0.125 * float(i)));\n"
     "        sum += (up_to - before) * (0.25 * float(dgb_sector_count(sectors & 15u)));\n"
     "        before = up_to;\n"
-    "        sectors >>= 4u;\n",
+    "        sectors >>= 4u;\n"
     "    }\n"
     "    return sum;\n"
     "}\n",
@@ -1636,7 +1674,7 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
     "    dgb_shaded s;\n"
     "    s.pixel     = ivec2(gl_FragCoord.xy);\n"
     "    float z     = texelFetch(dgb_z, s.pixel, 0).x;\n"
-    "    float reach = min(dgb_pixels_per_metre(z, dgb_ao_camera) * dgb_ao_radius.x, dgb_ao_scale.z);\n"
+    "    float reach = dgb_reach(z, dgb_ao_radius.x, dgb_ao_scale.z, dgb_ao_camera);\n"
     "    s.x         = dgb_origin_at(gl_FragCoord.xy, z, dgb_ao_camera);\n"
     "    s.n         = dgb_oct16_decode(texelFetch(dgb_normals, s.pixel, 0).xy);\n"
     "    s.spiral    = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_ao_size);\n"
@@ -1692,177 +1730,205 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#endif\n"
     "\n"
     "struct dgb_receiver {\n"
-    "    ivec2      pixel;\n"
-    "    dgb_spiral around;  // of the taps\n"
-    "    vec3       x, n, v; // v: towards the eye\n"
-    "    vec2       side;    // metres between pixels at its depth\n"
-    "    vec4       noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1\n"
+    "    vec2  centre;  // of its pixel\n"
+    "    float z;\n"
+    "    vec3  n;\n"
+    "    vec2  side;    // metres between pixels at depth z\n"
+    "    float spread;  // at depth z + s they are 1 + spread s times as far apart\n"
+    "    vec3  sight;   // the pixel's line of sight, towards the eye by the metre of depth\n"
+    "    float stretch; // its length\n"
+    "    vec2  within;  // depths that are within the radius, as dgb_ends_beside takes them\n"
+    "    float pitch;   // pixels between steps\n"
+    "    vec4  noise;   // angle of the slice, of the steps, height of the slice, of the sectors; 0..1\n"
     "};\n"
     "\n"
     "struct dgb_march { // along one slice\n"
-    "    vec4 slice;\n"
-    "    vec3 scale;          // of its shares\n"
-    "    vec3 d;              // across the line of sight, unit\n"
-    "    vec3 towards, along; // a point of the slice from an offset: oblique, so that it keeps its height above the receiver's plane\n"
-    "    vec2 direction;      // in the image\n"
-    "    uint seen;           // sectors that are covered\n"
-    "    vec3 light;          // sum over sectors: of what they see, or, for DGB_BENT, of the directions of those that are covered\n"
+    "    vec4  slice, scale; // scale: of its sectors\n"
+    "    vec3  d;            // across the line of sight, unit\n"
+    "    mat2  plane;        // {towards the eye, along d} of pixels at depth z: oblique, it keeps heights above the receiver's plane\n"
+    "    vec2  direction;    // in the image\n"
+    "    float room;         // pixels to the border\n"
+    "    float half_step;    // half a step, m along d; a metre along d, at depth z:\n"
+    "    vec2  aside;        //     in the image, m\n"
+    "    float towards;      //     towards the eye, m\n"
+    "    uint  seen;         // sectors that are covered\n"
+    "    vec3  light;        // sum over sectors: of what they see, or, for DGB_BENT, of the directions of those that are covered\n"
     "};\n"
     "\n"
-    "// Points of the line of sight at depth x.z + s are at (offset + slope s, s) from x; in the slice, {towards the eye, along}, at\n"
-    "// q.xy + q.zw s.\n"
+    "// The line of sight of another pixel. Its point at depth z + s lies in the slice at q.xy + s q.zw, {towards the eye, along d}.\n"
     "struct dgb_sight {\n"
-    "    vec2 offset, slope;\n"
+    "    vec2 offset; // of the pixel, m at depth z\n"
     "    vec4 q;\n"
     "};\n"
     "\n"
     "struct dgb_surface {\n"
-    "    float s, thickness; // depth from x.z on, m\n"
+    "    float s, thickness; // depth from z on, m\n"
     "    vec3  n;            // of any length; 0 where it is not read\n"
     "};\n"
     "\n"
     "dgb_receiver dgb_receiver_at(int layer, ivec2 pixel, float z, vec2 normal) {\n"
-    "    vec4         a     = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
-    "    vec2         at    = dgb_centre(layer, pixel);\n"
+    "    vec4         a = dgb_bitmask_camera.position_z, b = dgb_bitmask_camera.position_1;\n"
     "    float        reach = min(dgb_pixels_per_metre(z, dgb_bitmask_camera) * dgb_bitmask_radius.x, dgb_bitmask_radius.w);\n"
     "    dgb_receiver r;\n"
-    "    r.pixel  = pixel;\n"
-    "    r.around = dgb_spiral_at(at, reach, dgb_bitmask_size);\n"
-    "    r.x      = dgb_position(at, z, dgb_bitmask_camera);\n"
-    "    r.n      = dgb_oct16_decode(normal);\n"
-    "    r.v      = -dgb_view(r.x, dgb_bitmask_camera);\n"
-    "    r.side   = a.xy * z + b.xy;\n"
-    "    r.noise  = dgb_pixel_quad(pixel, dgb_bitmask_size.w);\n"
+    "    r.centre  = dgb_centre(layer, pixel);\n"
+    "    r.z       = z;\n"
+    "    r.n       = dgb_oct16_decode(normal);\n"
+    "    r.side    = a.xy * z + b.xy;\n"
+    "    r.spread  = a.x / r.side.x;\n"
+    "    r.sight   = vec3(r.centre * a.xy + a.zw, 1.0);\n"
+    "    r.stretch = length(r.sight);\n"
+    "    r.within  = vec2(-1.0, 1.0) / max(1.0 / dgb_bitmask_radius.x + r.spread * vec2(-1.0, 1.0), 1e-6);\n"
+    "    r.pitch   = reach / float(dgb_bitmask_size.z);\n"
+    "    r.noise   = dgb_pixel_quad(pixel, dgb_bitmask_size.w);\n"
     "    return r;\n"
     "}\n"
+    "\n",
+    "vec3 dgb_towards_eye(dgb_receiver r) { return r.sight / r.stretch; } // unit\n"
     "\n"
     "// Slice i: a direction of the cosine-weighted hemisphere picks it, so all slices weigh alike. shift: i of all, 0..1\n"
     "dgb_march dgb_march_at(dgb_receiver r, float shift) {\n"
     "    vec4  noise    = fract(r.noise + shift);\n"
     "    vec2  rotation = texelFetch(dgb_rotations, ivec2(noise.x * 256.0, 0), 0).xy;\n"
     "    float height   = 1.0 - 2.0 * noise.z;\n"
-    "    vec3  d        = dgb_slice_along(r.n, r.v, vec3(rotation * sqrt(1.0 - height * height), height));\n"
-    "    vec3  across   = cross(d, r.v);\n"
-    "    vec2  plane    = vec2(max(dot(r.n, r.v), 0.0), dot(r.n, d));\n"
-    "    vec2  oblique  = plane * (dot(r.n, across) / max(dot(plane, plane), 1e-4));\n",
-    "    vec4  a        = dgb_bitmask_camera.position_z;\n"
-    "    vec2  moved    = (d.xy - (r.around.centre * a.xy + a.zw) * d.z) / r.side; // pixels a metre along d\n"
+    "    vec3  v        = dgb_towards_eye(r);\n"
+    "    vec3  d        = dgb_slice_along(r.n, v, vec3(rotation * sqrt(1.0 - height * height), height));\n"
+    "    vec3  across   = cross(d, v);\n"
+    "    vec2  normal   = vec2(max(dot(r.n, v), 0.0), dot(r.n, d)); // in the slice\n"
+    "    vec2  oblique  = normal * (dot(r.n, across) / max(dot(normal, normal), 1e-4));\n"
+    "    vec2  towards  = r.side * (v.xy + oblique.x * across.xy), along = r.side * (d.xy + oblique.y * across.xy);\n"
+    "    vec2  aside    = d.xy - r.sight.xy * d.z, pixels = aside / r.side; // a metre along d\n"
+    "    float metre    = inversesqrt(max(dot(pixels, pixels), 1e-30)); // by the pixel\n"
     "    dgb_march m;\n"
-    "    m.slice     = dgb_slice(r.n, r.v, d);\n"
-    "    m.scale     = dgb_slice_scale(m.slice);\n"
+    "    m.slice     = dgb_slice(r.n, v, d);\n"
+    "    m.scale     = dgb_slice_scale(m.slice, 32.0);\n"
     "    m.d         = d;\n"
-    "    m.towards   = r.v + oblique.x * across;\n"
-    "    m.along     = d + oblique.y * across;\n"
-    "    m.direction = moved * inversesqrt(max(dot(moved, moved), 1e-30));\n"
+    "    m.plane     = mat2(towards.x, along.x, towards.y, along.y);\n"
+    "    m.direction = pixels * metre;\n"
+    "    m.room      = dgb_room(r.centre, m.direction, vec2(dgb_bitmask_size.xy));\n"
+    "    m.half_step = 0.5 * r.pitch * metre;\n"
+    "    m.aside     = aside;\n"
+    "    m.towards   = -r.stretch * d.z;\n"
     "    m.seen      = 0u;\n"
     "    m.light     = vec3(0.0);\n"
     "    return m;\n"
     "}\n"
     "\n"
-    "// How a sight, or what changes one, lies in the slice.\n"
-    "dgb_sight dgb_sight_of(vec2 offset, vec2 slope, dgb_march m) {\n"
-    "    vec4 q = vec4(dot(offset, m.towards.xy), dot(offset, m.along.xy), dot(slope, m.towards.xy), dot(slope, m.along.xy));\n"
-    "    return dgb_sight(offset, slope, q);\n"
-    "}\n"
-    "\n"
-    "dgb_sight dgb_sight_at(vec2 at, dgb_receiver r, dgb_march m) {\n"
-    "    vec4      a = dgb_bitmask_camera.position_z;\n"
-    "    dgb_sight l = dgb_sight_of((at - r.around.centre) * r.side, at * a.xy + a.zw, m);\n"
-    "    l.q.zw += vec2(m.towards.z, m.along.z);\n"
-    "    return l;\n"
+    "// pixels: from the receiver's\n"
+    "dgb_sight dgb_sight_of(vec2 pixels, dgb_receiver r, dgb_march m) {\n"
+    "    vec2 q = m.plane * pixels;\n"
+    "    return dgb_sight(r.side * pixels, vec4(q, r.spread * q + vec2(r.stretch, 0.0)));\n"
     "}\n"
     "\n"
     "#if DGB_NORMAL_TEST\n"
-    "float dgb_facing(dgb_sight l, dgb_surface y) { return dot(y.n, vec3(l.slope, 1.0)); }\n"
+    "float dgb_facing(dgb_receiver r, dgb_sight l, dgb_surface y) { return dot(y.n, r.sight) + r.spread * dot(y.n.xy, l.offset); }\n"
     "\n"
-    "// Versines of where the sight so many pixels on enters a surface, if its plane goes on that far, and leaves it. on: a pixel's change\n"
-    "vec2 dgb_ends_beside(dgb_sight l, dgb_sight on, dgb_surface y, float pixels) {\n"
-    "    vec4  q      = l.q + pixels * on.q;\n"
-    "    float facing = dgb_facing(l, y), turned = facing + pixels * dot(y.n.xy, on.slope), r = dgb_bitmask_radius.x;\n"
-    "    float s      = (facing * y.s - pixels * dot(y.n.xy, on.offset)) / turned;\n"
-    "    vec2  front  = q.xy + (turned > 0.0 ? clamp(s, -r, r) : -r) * q.zw;\n"
-    "    return vec2(dgb_versine(front), dgb_versine(front - y.thickness * q.zw));\n"
+    "// Cotangents of where the sight so many metres on along d enters a surface, if its plane goes on that far, and leaves it.\n"
+    "// plane: its depth at l, and by the metre. Depths are s / (1 + spread s): in these, planes are linear, and so are cotangents.\n"
+    "vec2 dgb_ends_beside(dgb_receiver r, dgb_march m, dgb_sight l, vec2 plane, float thickness, float on) {\n"
+    "    float front     = clamp(plane.x + on * plane.y, r.within.x, r.within.y);\n"
+    "    float behind    = thickness * (1.0 - r.spread * front);\n"
+    "    float back      = (front - behind) / (1.0 - r.spread * behind);\n"
+    "    vec2  q         = l.q.xy + on * vec2(m.towards, 1.0);\n"
+    "    vec2  cotangent = q.y > 0.0 ? vec2(q.x, r.stretch) * (1.0 / q.y) : vec2(-1e9, 0.0); // beyond x: below every horizon\n"
+    "    return cotangent.x + cotangent.y * vec2(front, back);\n"
+    "}\n"
+    "\n"
+    "// Versines of where a surface begins and ends, with what it stands for: half a step on, and back, but not to x itself, where\n"
+    "// errors of the plane would hide everything. What is seen from behind lies as far away as can be. k: steps from x\n"
+    "vec2 dgb_ends(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float k) {\n"
+    "    float facing = dgb_facing(r, l, y), inverse = 1.0 / (1.0 + r.spread * y.s);\n"
+    "    vec2  plane  = facing > 0.0 ? inverse * vec2(y.s, -dot(y.n.xy, m.aside) / facing) : vec2(r.within.x, 0.0);\n"
+    "    vec2  a      = dgb_ends_beside(r, m, l, plane, y.thickness, -m.half_step * min(k, 1.0));\n"
+    "    vec2  b      = dgb_ends_beside(r, m, l, plane, y.thickness, m.half_step);\n"
+    "    return vec2(dgb_versine(vec2(max(a.x, b.x), 1.0)), dgb_versine(vec2(min(a.y, b.y), 1.0)));\n"
     "}\n"
     "#endif\n"
     "\n"
-    "// Sectors that a surface covers with what is behind it, if either end is within the radius. step: pixels that it stands for, before\n"
-    "// and after it; u: of the sectors\n"
-    "uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, vec2 step, float u) {\n"
+    "// Whether a sight may tell of the slice: it is not the receiver's own, and does not pass x on the other side, though where\n"
+    "// normals are read what it stands for may reach into the slice all the same.\n"
+    "bool dgb_known(dgb_sight l) {\n"
+    "#if DGB_NORMAL_TEST\n"
+    "    return l.q.y != 0.0;\n"
+    "#else\n"
+    "    return l.q.y > 0.0;\n"
+    "#endif\n"
+    "}\n"
+    "\n"
+    "// Sectors that a surface covers with what is behind it, if either end is within the radius. k: steps from x; u: of the sectors\n",
+    "uint dgb_covered(dgb_receiver r, dgb_march m, dgb_sight l, dgb_surface y, float k, float u) {\n"
     "    vec2 front = l.q.xy + y.s * l.q.zw, back = front - y.thickness * l.q.zw;\n"
     "#if DGB_NORMAL_TEST\n"
-    "    dgb_sight on   = dgb_sight_of(m.direction * r.side, m.direction * dgb_bitmask_camera.position_z.xy, m);\n"
-    "    vec2      a    = dgb_ends_beside(l, on, y, -step.x), b = dgb_ends_beside(l, on, y, step.y);\n"
-    "    vec2      ends = vec2(min(a.x, b.x), max(a.y, b.y));\n"
+    "    vec2 ends = dgb_ends(r, m, l, y, k);\n"
     "#else\n"
     "    vec2 ends = vec2(dgb_versine(front), dgb_versine(back));\n"
     "#endif\n"
-    "    bool there = min(dgb_square(front), dgb_square(back)) <= dgb_bitmask_radius.y;\n"
-    "    return there ? dgb_sectors(dgb_share(m.scale, ends.x), dgb_share(m.scale, ends.y), u) : 0u;\n"
+    "    uint covered = dgb_sectors_between(dgb_share(m.scale, ends.x), dgb_share(m.scale, ends.y), u);\n"
+    "    return min(dot(front, front), dot(back, back)) <= dgb_bitmask_radius.y ? covered : 0u;\n"
     "}\n"
     "\n"
     "// Takes what a surface covers of what is still open; radiance: what it sends, if it faces the receiver.\n"
-    "void dgb_stop(inout dgb_march m, uint covered, dgb_sight l, dgb_surface y, vec3 radiance) {\n"
-    "    uint stopped = covered & ~m.seen;\n"
-    "    m.seen |= covered;\n"
+    "void dgb_stop(inout dgb_march m, uint covered, dgb_receiver r, dgb_sight l, dgb_surface y, vec3 radiance) {\n"
+    "    uint seen = m.seen | covered, stopped = seen ^ m.seen;\n"
+    "    m.seen = seen;\n"
     "#if DGB_NORMAL_TEST\n"
-    "    if (!(dgb_facing(l, y) * y.s + dot(y.n.xy, l.offset) < 0.0)) radiance = vec3(0.0);\n"
+    "    if (!(dgb_facing(r, l, y) * y.s + dot(y.n.xy, l.offset) < 0.0)) stopped = 0u;\n"
     "#endif\n"
     "#if DGB_BITMASK_LIGHT\n"
     "    m.light += radiance * float(dgb_sector_count(stopped));\n"
     "#endif\n"
     "}\n"
     "\n"
-    "// One step, h pixels away, that stands for `pitch` pixels. second: look at the second layer\n"
-    "void dgb_step(dgb_receiver r, inout dgb_march m, float h, float pitch, float u, bool second) {\n"
-    "    dgb_tap tap   = dgb_tap_beside(m.direction, h, r.around, dgb_bitmask_level);\n"
-    "    vec2    step  = 0.5 * vec2(min(pitch, h), pitch); // not back to x itself, where errors of the plane would hide everything\n"
-    "    bool    known = tap.inside && tap.pixel != r.pixel;\n"
-    "\n"
+    "// The step k, counted from x. second: look at the second layer\n"
+    "void dgb_step(dgb_receiver r, inout dgb_march m, float k, float u, bool second) {\n"
+    "    float       h   = max(k * r.pitch, 0.75); // nearer taps would land on the shaded pixel itself\n"
+    "    dgb_tap     tap = dgb_tap_of(r.centre + h * m.direction, h, dgb_bitmask_size.xy, dgb_bitmask_level);\n"
     "    vec4        zs = texelFetch(dgb_z, tap.texel, tap.level);\n"
     "    vec2        thickness = dgb_thickness_of(zs, dgb_bitmask_radius.z);\n"
     "    vec3        b0 = vec3(0.0), b1 = vec3(0.0);\n"
-    "    dgb_sight   l  = dgb_sight_at(vec2(tap.pixel) + 0.5, r, m);\n"
-    "    dgb_surface y  = dgb_surface(zs.x - r.x.z, thickness.x, vec3(0.0));\n"
+    "    dgb_sight   l  = dgb_sight_of(vec2(tap.pixel) + 0.5 - r.centre, r, m);\n"
+    "    dgb_surface y  = dgb_surface(zs.x - r.z, thickness.x, vec3(0.0));\n"
+    "    bool        known = dgb_known(l);\n"
     "#if DGB_NORMAL_TEST\n"
-    "    vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);\n",
+    "    vec4 normals = texelFetch(dgb_normals, tap.texel, tap.level);\n"
     "    y.n          = dgb_oct16_direction(normals.xy);\n"
     "#endif\n"
     "#if DGB_BITMASK_LIGHT\n"
     "    b0 = texelFetch(dgb_b0, tap.texel, tap.level).rgb;\n"
     "#endif\n"
-    "    uint covered = dgb_covered(r, m, l, y, step, u);\n"
-    "    dgb_stop(m, known && dgb_bitmask_scale.w > 0.0 ? covered : 0u, l, y, b0);\n"
+    "    uint covered = dgb_covered(r, m, l, y, k, u);\n"
+    "    dgb_stop(m, dgb_bitmask_scale.w > 0.0 && known ? covered : 0u, r, l, y, b0);\n"
     "#if DGB_LAYERS > 1\n"
     "    if (second) {\n"
     "#if DGB_DIVISOR > 1\n"
-    "        l = dgb_sight_at(dgb_centre(1, tap.pixel), r, m);\n"
+    "        l     = dgb_sight_of(dgb_centre(1, tap.pixel) - r.centre, r, m);\n"
+    "        known = dgb_known(l);\n"
     "#endif\n"
-    "        y = dgb_surface(zs.y - r.x.z, thickness.y, vec3(0.0));\n"
+    "        y = dgb_surface(zs.y - r.z, thickness.y, vec3(0.0));\n"
     "#if DGB_NORMAL_TEST\n"
     "        y.n = dgb_oct16_direction(normals.zw);\n"
     "#endif\n"
     "#if DGB_BITMASK_LIGHT\n"
     "        b1 = texelFetch(dgb_b1, tap.texel, tap.level).rgb;\n"
     "#endif\n"
-    "        covered = dgb_covered(r, m, l, y, step, u);\n"
-    "        dgb_stop(m, known ? covered : 0u, l, y, b1);\n"
+    "        covered = dgb_covered(r, m, l, y, k, u);\n"
+    "        dgb_stop(m, known ? covered : 0u, r, l, y, b1);\n"
     "    }\n"
     "#endif\n"
     "}\n"
     "\n"
     "// Means over all slices. rgb: irradiance over pi, or covered directions; a: share of the cosine-weighted hemisphere that is covered.\n"
     "vec4 dgb_look(dgb_receiver r, bool there, bool second) {\n"
-    "    int   steps = dgb_bitmask_size.z;\n"
-    "    float pair  = 0.5 * dgb_bitmask_scale.y, pitch = r.around.reach / float(steps);\n"
+    "    float steps = float(dgb_bitmask_size.z), pair = 0.5 * dgb_bitmask_scale.y;\n"
     "    vec4  sum   = vec4(0.0);\n"
     "    for (int i = 0; i < (there ? 2 * int(dgb_bitmask_scale.x) : 0); ++i) {\n"
     "        float     shift  = float(i) * pair;\n"
     "        dgb_march m      = dgb_march_at(r, shift);\n"
     "        vec2      jitter = fract(r.noise.yw + shift);\n"
-    "        for (int k = 0; k < steps; ++k) dgb_step(r, m, max((float(k) + jitter.x) * pitch, 0.75), pitch, jitter.y, second);\n"
+    "        float     last   = min(steps, m.room / r.pitch);\n"
+    "        for (float k = jitter.x; k < last; k += 1.0) dgb_step(r, m, k, jitter.y, second);\n"
     "#if DGB_BENT\n"
     "        vec2 covered = 32.0 * dgb_sectors_mean(m.slice, m.seen);\n"
-    "        m.light      = covered.x * r.v + covered.y * m.d;\n"
+    "        m.light      = covered.x * dgb_towards_eye(r) + covered.y * m.d;\n"
     "#endif\n"
     "        sum += vec4(m.light, float(dgb_sector_count(m.seen)));\n"
     "    }\n"
@@ -1876,7 +1942,7 @@ static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "\n"
     "#if DGB_BENT\n"
     "// Mean of the open directions in world space, weighted by the cosine, and their share. What is covered is taken from the whole,\n"
-    "// 2/3 of the normal: where nothing is, there is no noise.\n"
+    "// 2/3 of the normal: where nothing is, there is no noise.\n",
     "vec4 dgb_bent(dgb_receiver r, vec4 look) {\n"
     "    vec3 bent = 2.0 / 3.0 * r.n - look.rgb;\n"
     "    vec3 world = bent.x * dgb_bitmask_world[0].xyz + bent.y * dgb_bitmask_world[1].xyz + bent.z * dgb_bitmask_world[2].xyz;\n"
@@ -2014,10 +2080,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    return s;\n"
     "}\n"
     "\n"
-    "// Pixels that the radius covers at z.\n"
-    "float dgb_reach(float z) {\n"
-    "    return min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);\n"
-    "}\n"
+    "float dgb_gather_reach(float z) { return dgb_reach(z, dgb_gather_radius.x, dgb_gather_radius.w, dgb_gather_camera); }\n"
     "\n"
     "// taps: that lie within the receiver's own reach.\n"
     "vec4 dgb_irradiance(dgb_receiver r, float taps) {\n"
@@ -2032,8 +2095,8 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "\n"
     "// What tap i finds, for the first layer's receiver and, if `deep`, the second's. second: look at second-layer senders. Both are\n"
     "// constant wherever this is called.\n"
-    "void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_receiver r0, inout dgb_receiver r1) {\n",
-    "    dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], s.spiral, dgb_gather_level);\n"
+    "void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_receiver r0, inout dgb_receiver r1) {\n"
+    "    dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], s.spiral, dgb_gather_level);\n",
     "    // the shaded surface sends itself nothing anyway, but those behind one another at the pixel might\n"
     "    bool    counts = tap.inside && (!second || tap.pixel != s.pixel);\n"
     "    vec2    zs     = texelFetch(dgb_z, tap.texel, tap.level).xy;\n"
@@ -2062,7 +2125,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    vec2         z       = texelFetch(dgb_z, s.pixel, 0).xy;\n"
     "    vec4         normals = texelFetch(dgb_normals, s.pixel, 0);\n"
     "    dgb_receiver r0      = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy), r1 = r0;\n"
-    "    float        reach   = dgb_reach(z.x);\n"
+    "    float        reach   = dgb_gather_reach(z.x);\n"
     "    s.spiral             = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_gather_size);\n"
     "    int taps             = z.x > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;\n"
     "#if DGB_LAYERS > 1\n"
@@ -2082,7 +2145,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    dgb_out_irradiance = dgb_irradiance(r0, float(taps));\n"
     "#if DGB_DEEP\n"
     "    // taps go out evenly; those beyond the second layer's reach, which is shorter, could not have found anything for it\n"
-    "    float within        = float(taps) * dgb_reach(z.y) / reach;\n"
+    "    float within        = float(taps) * dgb_gather_reach(z.y) / reach;\n"
     "    dgb_out_irradiance1 = taps > 0 && z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, max(within, 1.0)) : vec4(0.0);\n"
     "#endif\n"
     "}\n",
@@ -2137,10 +2200,11 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "layout(location = 1) out vec4 dgb_out_bent;\n"
     "#endif\n"
     "\n"
+    "// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.\n"
     "struct dgb_history {\n"
     "    float moved; // pixels since last frame\n"
     "    vec4  irradiance;\n"
-    "    float frames, share; // share: of the bilinear weights that the surface still has\n"
+    "    float frames, share;\n"
     "    float visibility, visibility_frames, visibility_share;\n"
     "    vec4  bent; // with the visibility's frames and share\n"
     "};\n"
@@ -2177,11 +2241,19 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "        vec2  weight = mix(1.0 - part, part, vec2(corner));\n"
     "        texel        = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);\n"
     "        dgb_add_history(h, texel, dgb_past_layer(texel, past, dgb_temporal_past), weight.x * weight.y);\n"
-    "    }\n"
+    "    }\n",
+    "    float whole = dgb_whole(h.share), whole_visibility = dgb_whole(h.visibility_share);\n"
+    "    h.share *= whole;\n"
+    "    h.irradiance *= whole;\n"
+    "    h.frames *= whole;\n"
+    "    h.visibility_share *= whole_visibility;\n"
+    "    h.visibility *= whole_visibility;\n"
+    "    h.visibility_frames *= whole_visibility;\n"
+    "    h.bent *= whole_visibility;\n"
     "    return h;\n"
     "}\n"
     "\n"
-    "// Weight of an average of so many frames against one frame more.\n",
+    "// Weight of an average of so many frames against one frame more.\n"
     "float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }\n"
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
@@ -2221,15 +2293,13 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "}\n"
     "#endif\n"
     "\n"
-    "vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {\n"
-    "    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
-    "    vec4  present = dgb_weigh(raw), history = h.irradiance * share;\n"
-    "    h.frames *= share;\n"
+    "vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, dgb_history h) {\n"
+    "    vec4 present = dgb_weigh(raw);\n"
     "#if DGB_LIMITED\n"
-    "    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);\n"
+    "    dgb_limit(layer, pixel, h.moved, h.share > 0.0, present, h.irradiance);\n"
     "#endif\n"
     "    float weight = dgb_history_weight(h.frames);\n"
-    "    vec4  mean   = dgb_unweigh(mix(present, history, weight));\n"
+    "    vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));\n"
     "    return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));\n"
     "}\n"
     "\n"
@@ -2244,15 +2314,11 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);\n"
     "    vec4 filtered      = dgb_filtered(0, pixel, raw, h);\n"
     "    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;\n"
-    "#else\n"
-    "    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
     "#endif\n"
     "#if DGB_FILTER_AO\n"
-    "    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;\n"
-    "    h.visibility_frames *= share;\n"
-    "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);\n"
+    "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility);\n"
     "#if DGB_LIMITED\n"
-    "    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);\n"
+    "    dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);\n"
     "#endif\n"
     "    float weight = dgb_history_weight(h.visibility_frames);\n"
     "    open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));\n"
@@ -2260,13 +2326,13 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "#endif\n"
     "#if DGB_BENT\n"
     "    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);\n"
-    "    vec4 average = mix(bent, h.bent * share, weight);\n"
+    "    vec4 average = mix(bent, h.bent, weight);\n"
     "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;\n"
     "#endif\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);\n"
     "\n"
-    "#if DGB_DEEP\n"
-    "    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);\n",
+    "#if DGB_DEEP\n",
+    "    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);\n"
     "    vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);\n"
     "    vec4        deep    = dgb_filtered(1, pixel, raw1, h1);\n"
     "    dgb_out_irradiance1 = z.y > DGB_EMPTY_Z ? deep : raw1;\n"
@@ -2940,7 +3006,7 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "        h.weighed += weight * dgb_weigh(dgb_last_reflection_at(texel));\n"
     "        h.frames += weight * 255.0 * texelFetch(dgb_last_reflection_frames, texel, 0).x;\n"
     "    }\n"
-    "    float whole = share > DGB_LEAST_SHARE ? 1.0 / share : 0.0;\n"
+    "    float whole = dgb_whole(share);\n"
     "    h.weighed *= whole;\n"
     "    h.frames *= whole;\n"
     "    return h;\n"
@@ -2979,8 +3045,8 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "    dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);\n"
     "#endif\n"
     "    vec4 filtered = dgb_unweigh(mean.weighed);\n"
-    "    filtered.rgb  = dgb_storable(filtered.rgb);\n",
-    "#if DGB_HISTORY\n"
+    "    filtered.rgb  = dgb_storable(filtered.rgb);\n"
+    "#if DGB_HISTORY\n",
     "    filtered = dgb_averaged(filtered, weight, pixel, dgb_glossy_size.y);\n"
     "#endif\n"
     "    dgb_out_reflection = rough ? filtered : raw;\n"
@@ -3122,12 +3188,15 @@ static const char* const dgbgli_glsl_view[] = { /* 75_view.glsl */
 /* >> GL values */
 
 enum {
+    DGBGLI_ALL_BARRIER_BITS = -1,
     DGBGLI_FALSE = 0,
+    DGBGLI_NONE = 0,
     DGBGLI_TRUE = 1,
     DGBGLI_TRIANGLES = 0x0004,
     DGBGLI_LESS = 0x0201,
     DGBGLI_GREATER = 0x0204,
     DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_FRONT_AND_BACK = 0x0408,
     DGBGLI_INVALID_ENUM = 0x0500,
     DGBGLI_OUT_OF_MEMORY = 0x0505,
     DGBGLI_CONTEXT_LOST = 0x0507,
@@ -3146,23 +3215,24 @@ enum {
     DGBGLI_SCISSOR_TEST = 0x0C11,
     DGBGLI_COLOR_WRITEMASK = 0x0C23,
     DGBGLI_UNPACK_SWAP_BYTES = 0x0CF0,
+    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
     DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
-    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_ALIGNMENT = 0x0CF5,
     DGBGLI_MAX_TEXTURE_SIZE = 0x0D33,
     DGBGLI_TEXTURE_2D = 0x0DE1,
     DGBGLI_UNSIGNED_BYTE = 0x1401,
     DGBGLI_UNSIGNED_INT = 0x1405,
     DGBGLI_FLOAT = 0x1406,
+    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_COLOR = 0x1800,
     DGBGLI_DEPTH = 0x1801,
-    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_DEPTH_COMPONENT = 0x1902,
     DGBGLI_RED = 0x1903,
     DGBGLI_RGB = 0x1907,
     DGBGLI_RGBA = 0x1908,
     DGBGLI_FILL = 0x1B02,
+    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_VERSION = 0x1F02,
     DGBGLI_EXTENSIONS = 0x1F03,
     DGBGLI_NEAREST = 0x2600,
@@ -3176,9 +3246,9 @@ enum {
     DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
     DGBGLI_RGBA8 = 0x8058,
     DGBGLI_TEXTURE_BINDING_2D = 0x8069,
-    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_UNPACK_SKIP_IMAGES = 0x806D,
     DGBGLI_UNPACK_IMAGE_HEIGHT = 0x806E,
+    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_MULTISAMPLE = 0x809D,
     DGBGLI_SAMPLE_ALPHA_TO_COVERAGE = 0x809E,
     DGBGLI_SAMPLE_COVERAGE = 0x80A0,
@@ -3191,39 +3261,29 @@ enum {
     DGBGLI_MINOR_VERSION = 0x821C,
     DGBGLI_NUM_EXTENSIONS = 0x821D,
     DGBGLI_RG = 0x8227,
+    DGBGLI_RG_INTEGER = 0x8228,
     DGBGLI_R8 = 0x8229,
     DGBGLI_RG8 = 0x822B,
     DGBGLI_R32F = 0x822E,
-    DGBGLI_R32UI = 0x8236,
-    DGBGLI_RG32UI = 0x823C,
-    DGBGLI_RGBA32UI = 0x8D70,
-    DGBGLI_RED_INTEGER = 0x8D94,
-    DGBGLI_RG_INTEGER = 0x8228,
-    DGBGLI_RGBA_INTEGER = 0x8D99,
-    DGBGLI_READ_WRITE = 0x88BA,
-    DGBGLI_ALL_BARRIER_BITS = -1,
-    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
-    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_RG16F = 0x822F,
     DGBGLI_RG32F = 0x8230,
-    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_R32UI = 0x8236,
+    DGBGLI_RG32UI = 0x823C,
     DGBGLI_DEBUG_SOURCE_APPLICATION = 0x824A,
-    DGBGLI_MAX_VIEWPORTS = 0x825B,
-    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_BUFFER = 0x82E0,
+    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_SAMPLER = 0x82E6,
     DGBGLI_TEXTURE0 = 0x84C0,
     DGBGLI_ACTIVE_TEXTURE = 0x84E0,
     DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
     DGBGLI_DEPTH_CLAMP = 0x864F,
-    DGBGLI_QUERY_BUFFER = 0x9192,
-    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
+    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_RGBA16F = 0x881A,
+    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_QUERY_RESULT = 0x8866,
     DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
-    DGBGLI_RGBA16F = 0x881A,
-    DGBGLI_MAX_DRAW_BUFFERS = 0x8824,
+    DGBGLI_READ_WRITE = 0x88BA,
     DGBGLI_STREAM_DRAW = 0x88E0,
-    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_PIXEL_UNPACK_BUFFER = 0x88EC,
     DGBGLI_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     DGBGLI_MAX_ARRAY_TEXTURE_LAYERS = 0x88FF,
@@ -3239,10 +3299,11 @@ enum {
     DGBGLI_COMPILE_STATUS = 0x8B81,
     DGBGLI_LINK_STATUS = 0x8B82,
     DGBGLI_CURRENT_PROGRAM = 0x8B8D,
-    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_TEXTURE_2D_ARRAY = 0x8C1A,
     DGBGLI_TEXTURE_BINDING_2D_ARRAY = 0x8C1D,
+    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_RASTERIZER_DISCARD = 0x8C89,
+    DGBGLI_LOWER_LEFT = 0x8CA1,
     DGBGLI_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
     DGBGLI_READ_FRAMEBUFFER = 0x8CA8,
     DGBGLI_DRAW_FRAMEBUFFER = 0x8CA9,
@@ -3251,18 +3312,28 @@ enum {
     DGBGLI_FRAMEBUFFER_COMPLETE = 0x8CD5,
     DGBGLI_COLOR_ATTACHMENT0 = 0x8CE0,
     DGBGLI_DEPTH_ATTACHMENT = 0x8D00,
-    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
     DGBGLI_FRAMEBUFFER = 0x8D40,
+    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
+    DGBGLI_RGBA32UI = 0x8D70,
+    DGBGLI_RED_INTEGER = 0x8D94,
+    DGBGLI_RGBA_INTEGER = 0x8D99,
     DGBGLI_FRAMEBUFFER_SRGB = 0x8DB9,
     DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES = 0x8DE0,
     DGBGLI_TIMESTAMP = 0x8E28,
     DGBGLI_SAMPLE_MASK = 0x8E51,
+    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
+    DGBGLI_IMAGE_BINDING_LEVEL = 0x8F3B,
+    DGBGLI_IMAGE_BINDING_LAYERED = 0x8F3C,
+    DGBGLI_IMAGE_BINDING_LAYER = 0x8F3D,
+    DGBGLI_IMAGE_BINDING_ACCESS = 0x8F3E,
     DGBGLI_PRIMITIVE_RESTART = 0x8F9D,
-    DGBGLI_LOWER_LEFT = 0x8CA1,
-    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
-    DGBGLI_ZERO_TO_ONE = 0x935F,
+    DGBGLI_IMAGE_BINDING_FORMAT = 0x906E,
+    DGBGLI_QUERY_BUFFER = 0x9192,
+    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
     DGBGLI_CLIP_ORIGIN = 0x935C,
-    DGBGLI_CLIP_DEPTH_MODE = 0x935D
+    DGBGLI_CLIP_DEPTH_MODE = 0x935D,
+    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
+    DGBGLI_ZERO_TO_ONE = 0x935F
 };
 
 /* One row a format: internal format, format and type of an upload. */
@@ -3372,8 +3443,8 @@ static const char* dgbgli_error_name(unsigned int error) {
     return i < sizeof names / sizeof names[0] ? names[i] : "an unknown GL error";
 }
 
-/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports for ever
-   is no error of one call, and a lost context may do so. */
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports
+   for ever is no error of one call, and a lost context may do so. */
 static void dgbgli_drain_errors(const dgbgl_backend* b, const char* where) {
     unsigned int error = 0;
     int i;
@@ -3401,8 +3472,8 @@ static dgb_result dgbgli_no_object(const dgbgl_backend* b) {
 
 /* >> state: what a pass may change is saved at begin and put back at end */
 
-/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and scissor
-   are kept for each buffer and viewport. */
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and
+   scissor are kept for each buffer and viewport. */
 static const struct {
     unsigned int name;
     int since;    /* desktop version */
@@ -3505,9 +3576,9 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
 }
 
 /* Properties of an image binding, in the order of dgbgl_state.images. */
-static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */,
-                                                        0x8F3C /* LAYERED */,      0x8F3D /* LAYER */,
-                                                        0x8F3E /* ACCESS */,       0x906E /* FORMAT */};
+static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME,    DGBGLI_IMAGE_BINDING_LEVEL,
+                                                        DGBGLI_IMAGE_BINDING_LAYERED, DGBGLI_IMAGE_BINDING_LAYER,
+                                                        DGBGLI_IMAGE_BINDING_ACCESS,  DGBGLI_IMAGE_BINDING_FORMAT};
 
 static void dgbgli_save_images(const dgbgl_backend* b, dgbgl_state* s) {
     int unit, i;
@@ -3565,7 +3636,7 @@ static void dgbgli_set_defaults(const dgbgl_backend* b) {
     b->gl.ColorMask(DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE);
     b->gl.DepthMask(DGBGLI_TRUE);
     dgbgli_depth_range(b, 0.0, 1.0);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, DGBGLI_FILL);
     if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, 0); /* else the timers are read into it */
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
     for (i = 0; i < dgbgli_unpack_count(b); ++i)
@@ -3600,7 +3671,7 @@ static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) 
         if (dgbgli_has_toggle(b, i)) dgbgli_enable(b, dgbgli_toggles[i].name, s->toggles[i] != 0);
     b->gl.DepthMask((unsigned char)s->depth_mask);
     b->gl.DepthFunc((unsigned)s->depth_func);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, (unsigned)s->polygon_mode[0]);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, (unsigned)s->polygon_mode[0]);
     if (b->gl.ClipControl) b->gl.ClipControl((unsigned)s->clip_origin, (unsigned)s->clip_depth);
 }
 
@@ -4055,7 +4126,7 @@ static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
                                                           DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
     b->gl.DrawBuffers(pass->color_count, buffers);
-    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
+    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : DGBGLI_NONE);
 }
 
 /* False, and a message, when it is of no use; it is then gone again. */
@@ -4449,8 +4520,8 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     return false;
 }
 
-/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers them,
-   or by which extension of OpenGL. */
+/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers
+   them, or by which extension of OpenGL. */
 #define DGBGLI_OFFERS(X)                                  \
     X(IsEnabledi, 330, 320, NULL)                         \
     X(Enablei, 330, 320, NULL)                            \
@@ -4483,8 +4554,8 @@ static bool dgbgli_offers(const dgbgl_backend* b, int since, int since_es, const
     return (since != 0 && b->version >= since) || (extension && dgbgli_has_extension(b, extension));
 }
 
-/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer must have
-   one. */
+/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer
+   must have one. */
 static bool dgbgli_settle_optional(dgbgl_backend* b) {
     const char* missing = NULL;
 #define DGBGLI_SETTLE(name, since, since_es, extension) \
@@ -4507,7 +4578,7 @@ static const char* dgbgli_layer_extension(const dgbgl_backend* b) {
     return NULL;
 }
 
-/* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
+/* Rasterisers known to run the fragments of a pixel one after the other: there compare and store are safe. */
 static bool dgbgli_in_order(const dgbgl_backend* b) {
     const char* renderer = (const char*)b->gl.GetString(DGBGLI_RENDERER);
     return renderer && strstr(renderer, "llvmpipe") != NULL;

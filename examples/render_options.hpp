@@ -313,6 +313,7 @@ struct Overrides {
     float radius = 7.4f;    // m
     float ao_radius = 1.0f; // m
     int ao_samples = 16;
+    std::optional<dgb_estimator> estimator;
     std::optional<int> slices;
     std::optional<float> thickness; // m
     std::optional<float> alpha, delta;
@@ -324,6 +325,7 @@ struct Overrides {
 inline void apply(const Overrides& overrides, Options* options) {
     dgb_params& params = options->params;
     params = dgb_preset(overrides.preset);
+    options->estimator = overrides.estimator.value_or(dgb_preset_estimator(overrides.preset));
     params.samples = overrides.samples.value_or(params.samples);
     params.separation = overrides.separation.value_or(params.separation);
     params.radius = overrides.radius;
@@ -398,8 +400,7 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
          {"delay", DGB_ORACLE_DELAY}},
         [=](dgb_oracle oracle) { o->oracle = oracle; },
         "what tells a layer where the one in front is: peel, previous, reproject (default), warp, predict, or delay, "
-        "which "
-        "shows the frame before");
+        "which shows the frame before");
     add_choice<dgb_emission>(
         app, "--emit",
         {{"auto", DGB_EMISSION_AUTO},
@@ -421,8 +422,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
         "none, or a comma list of ao, bent (where it opens to; with --estimator bitmask), gi, reflect (mirrors) and "
-        "glossy "
-        "(reflections by roughness) (default ao,gi)");
+        "glossy (reflections by roughness) (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -436,12 +436,13 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         ->check(positive());
     add_choice<dgb_estimator>(
         app, "--estimator", {{"paper", DGB_ESTIMATOR_PAPER}, {"bitmask", DGB_ESTIMATOR_BITMASK}},
-        [=](dgb_estimator estimator) { o->estimator = estimator; },
-        "of ambient occlusion and bounced light: paper (default), bitmask (what surfaces cover of the hemisphere)");
+        [=](dgb_estimator estimator) { overrides->estimator = estimator; },
+        "of ambient occlusion and bounced light: paper, bitmask (what surfaces cover of the hemisphere); default: the "
+        "preset's, bitmask for quality");
     app->add_option("--slices", overrides->slices, "planes that share the taps of the bitmask (default 1)")
         ->check(between(1, DGB_MAX_SLICES, "1 to 8"));
     app->add_option("--thickness", overrides->thickness,
-                    "how far behind its surface an object hides from the bitmask, m (default 0.25)")
+                    "how far behind its surface an object hides from the bitmask, m (default 0.5)")
         ->check(positive());
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));
@@ -453,8 +454,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         {{"constant", DGB_THICKNESS_CONSTANT}, {"layers", DGB_THICKNESS_LAYERS}, {"back", DGB_THICKNESS_BACK_FACES}},
         [=](dgb_thickness thickness) { o->thickness = thickness; },
         "what ends surfaces that are thinner than --thickness and --reflect-thickness: constant (nothing), layers "
-        "(default: "
-        "the second layer), back (that and back faces, drawn once more)");
+        "(default: the second layer), back (that and back faces, drawn once more)");
     app->add_option("--reflect-steps", overrides->reflect_steps, "most steps of a mirrored ray (default 256)")
         ->check(between(1, 4096, "1 to 4096"));
     app->add_option("--reflect-distance", overrides->reflect_distance, "longest mirrored ray, m (default 30)")
@@ -520,7 +520,7 @@ inline void check_together(const Options& options) {
     require(options.bounces.value_or(1) <= options.frames, "--bounces",
             "needs as many --frames: light bounces once a frame");
     require(!(options.effects & DGB_EFFECT_BENT) || options.estimator == DGB_ESTIMATOR_BITMASK, "--effects",
-            "bent needs --estimator bitmask");
+            "bent needs --estimator bitmask, which --preset quality has");
     const bool gathers = (options.effects & DGB_EFFECT_RADIOSITY) != 0;
     require(options.compared_bounces.empty() || (gathers && !options.out.empty()), "--compare-bounces",
             "needs --out and --effects gi");

@@ -51,12 +51,10 @@ const std::array<Demo, 3> kDemos = {{
     {"halos",
      "gallery --camera=0.5,1.6,1,-4,1.5,-4,60 --effects ao --view ao --preset quality --ao-samples 40 --ao-radius 2.5",
      "Ambient visibility. One layer does not know the wall and the floor behind the sphere and the columns: what "
-     "stands "
-     "beside them turns bright, in a halo that follows the sphere. Tab compares."},
+     "stands beside them turns bright, in a halo that follows the sphere. Tab compares."},
     {"hidden light", "atrium --view irradiance --preset quality --sky 0.02,0.02,0.02 --exposure 0.5",
      "Bounced light. The drape on the left hides a sunlit green one, whose light is missing on balustrade and floor "
-     "with "
-     "one layer. Tab compares."},
+     "with one layer. Tab compares."},
     {"mirrors", "gallery --camera=0,1.7,3.2,1.9,1.65,-6,75 --effects ao,gi,glossy --preset quality --split 0.79",
      "The mirrors on the right show the pictures behind the columns. One layer does not have them: the sky shows "
      "instead. Tab compares."},
@@ -264,15 +262,18 @@ void edit_view(const Edited& side) {
     }
 }
 
-void edit_presets(const Edited& side) {
+// True: the estimator is another.
+bool edit_presets(const Edited& side) {
     const char* const names[] = {"performance", "balanced", "quality"};
+    bool changed = false;
     ImGui::TextUnformatted("preset:");
     for (int i = 0; i < DGB_PRESET_COUNT; ++i) {
         ImGui::SameLine();
         if (!ImGui::SmallButton(names[i])) { continue; }
-        set_preset(dgb_preset_id(i), &side.config->params);
-        if (side.follower != nullptr) { set_preset(dgb_preset_id(i), &side.follower->params); }
+        changed = set_preset(dgb_preset_id(i), side.config);
+        if (side.follower != nullptr) { changed = set_preset(dgb_preset_id(i), side.follower) || changed; }
     }
+    return changed;
 }
 
 void edit_group(const ParamGroup& group, const Edited& side) {
@@ -297,7 +298,7 @@ bool edit_side(const Edited& side) {
     edit_view(side);
     bool changed = edit_layers(side);
     changed = edit_effects(side) || changed;
-    edit_presets(side);
+    changed = edit_presets(side) || changed;
     for (const ParamGroup& group : param_groups()) { edit_group(group, side); }
     if (ImGui::TreeNode("Methods")) {
         changed = edit_methods(side) || changed;
@@ -466,16 +467,21 @@ void show_keys() {
 
 // ---- Whole ----------------------------------------------------------------------------------------------
 
-void set_preset(dgb_preset_id preset, dgb_params* params) {
-    const dgb_params old = *params;
-    *params = dgb_preset(preset);
-    params->separation = old.separation;
-    params->ao_radius = old.ao_radius;
-    params->radius = old.radius;
-    params->thickness = old.thickness;
-    params->reflect_distance = old.reflect_distance;
-    params->reflect_thickness = old.reflect_thickness;
-    params->history_floor = old.history_floor;
+bool set_preset(dgb_preset_id preset, Config* config) {
+    dgb_params& params = config->params;
+    const dgb_params old = params;
+    params = dgb_preset(preset);
+    params.separation = old.separation;
+    params.ao_radius = old.ao_radius;
+    params.radius = old.radius;
+    params.thickness = old.thickness;
+    params.reflect_distance = old.reflect_distance;
+    params.reflect_thickness = old.reflect_thickness;
+    params.history_floor = old.history_floor;
+    const dgb_estimator estimator = dgb_preset_estimator(preset);
+    const bool changed = config->layers.estimator != estimator;
+    config->layers.estimator = estimator;
+    return changed;
 }
 
 std::string label_of(const PanelSide& side) {

@@ -3,6 +3,9 @@
 
 const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history
 
+// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.
+float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }
+
 struct dgb_reprojection {
     dgb_camera last;
     vec4       to_last[3]; // rows: from this frame's camera space to last frame's

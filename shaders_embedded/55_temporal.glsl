@@ -44,10 +44,11 @@ layout(location = 2) out vec4 dgb_out_bent;
 layout(location = 1) out vec4 dgb_out_bent;
 #endif
 
+// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.
 struct dgb_history {
     float moved; // pixels since last frame
     vec4  irradiance;
-    float frames, share; // share: of the bilinear weights that the surface still has
+    float frames, share;
     float visibility, visibility_frames, visibility_share;
     vec4  bent; // with the visibility's frames and share
 };
@@ -85,6 +86,14 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
         texel        = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
         dgb_add_history(h, texel, dgb_past_layer(texel, past, dgb_temporal_past), weight.x * weight.y);
     }
+    float whole = dgb_whole(h.share), whole_visibility = dgb_whole(h.visibility_share);
+    h.share *= whole;
+    h.irradiance *= whole;
+    h.frames *= whole;
+    h.visibility_share *= whole_visibility;
+    h.visibility *= whole_visibility;
+    h.visibility_frames *= whole_visibility;
+    h.bent *= whole_visibility;
     return h;
 }
 
@@ -128,15 +137,13 @@ void dgb_limit(int of, ivec2 pixel, float moved, bool known, inout vec4 present,
 }
 #endif
 
-vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {
-    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
-    vec4  present = dgb_weigh(raw), history = h.irradiance * share;
-    h.frames *= share;
+vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, dgb_history h) {
+    vec4 present = dgb_weigh(raw);
 #if DGB_LIMITED
-    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);
+    dgb_limit(layer, pixel, h.moved, h.share > 0.0, present, h.irradiance);
 #endif
     float weight = dgb_history_weight(h.frames);
-    vec4  mean   = dgb_unweigh(mix(present, history, weight));
+    vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));
     return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));
 }
 
@@ -151,15 +158,11 @@ void main() {
     vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);
     vec4 filtered      = dgb_filtered(0, pixel, raw, h);
     dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;
-#else
-    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
 #endif
 #if DGB_FILTER_AO
-    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;
-    h.visibility_frames *= share;
-    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);
+    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility);
 #if DGB_LIMITED
-    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);
+    dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);
 #endif
     float weight = dgb_history_weight(h.visibility_frames);
     open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));
@@ -167,7 +170,7 @@ void main() {
 #endif
 #if DGB_BENT
     vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);
-    vec4 average = mix(bent, h.bent * share, weight);
+    vec4 average = mix(bent, h.bent, weight);
     dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;
 #endif
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);

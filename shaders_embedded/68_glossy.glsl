@@ -127,7 +127,7 @@ dgb_history dgb_history_at(dgb_past past) {
         h.weighed += weight * dgb_weigh(dgb_last_reflection_at(texel));
         h.frames += weight * 255.0 * texelFetch(dgb_last_reflection_frames, texel, 0).x;
     }
-    float whole = share > DGB_LEAST_SHARE ? 1.0 / share : 0.0;
+    float whole = dgb_whole(share);
     h.weighed *= whole;
     h.frames *= whole;
     return h;

@@ -1,6 +1,7 @@
 /* Frames through the record backend: which passes run, in what order, with what bound; life and death of all
    objects. */
 
+#include "numbers.h"
 #include "record_backend.h"
 
 #include <setjmp.h>
@@ -21,15 +22,6 @@ static bool makes_sense(uint32_t effects) {
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
     return (effects & (BOTH | DGB_EFFECT_GLOSSY)) || !(effects & DGB_EFFECT_TEMPORAL);
-}
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
 }
 
 /* >> fixture: a backend, a context, what was logged and what the draw callback was told */
@@ -642,10 +634,7 @@ static void run_and_check(model* m) {
 
 static uint32_t random_state;
 
-static double random_between(double low, double high) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return low + (high - low) * (double)(random_state >> 8) / 16777216.0;
-}
+static double random_between(double low, double high) { return low + (high - low) * lcg_unit(&random_state); }
 
 /* A random rotation, scaled along its own axes by 1 / spread to spread, and moved. */
 static void random_view(double spread, double reach, float view[16]) {
@@ -1670,6 +1659,36 @@ static void test_reprojection_matrix(void** state) {
         }
         stop(&f);
     }
+}
+
+/* The engine's own layers are of the view that comes with them. */
+static void test_reprojection_of_given_layers(void** state) {
+    float last[16];
+    dgb_layers layers;
+    dgb_camera camera;
+    fixture f;
+    int frame;
+    (void)state;
+    start_history(&f);
+    f.desc.source = DGB_SOURCE_ENGINE;
+    init(&f);
+    layers = engine_layers(&f);
+    random_state = 13u;
+    for (frame = 0; frame < 20; ++frame) {
+        memcpy(last, f.view.view, sizeof last);
+        memcpy(&camera, &f.context.camera, sizeof camera);
+        random_view(1.0, 10.0, f.view.view);
+        f.view.jitter[0] = 0.01f * (float)frame;
+        record_clear(&f.r);
+        set_layers(&f, &layers);
+        shade(&f);
+        if (frame == 0) continue;
+        check_to_last(f.view.view, last, past_of(&f, DGB_PASS_PACK));
+        check_to_last(f.view.view, last, past_of(&f, DGB_PASS_TEMPORAL));
+        assert_memory_equal(&past_of(&f, DGB_PASS_TEMPORAL)->last, &camera, sizeof camera);
+        assert_memory_not_equal(&f.context.camera, &camera, sizeof camera);
+    }
+    stop(&f);
 }
 
 /* A view that flattens the world has no way back: no NaN comes of it. */
@@ -2740,6 +2759,7 @@ int main(void) {
         cmocka_unit_test(test_refused_calls_leave_history),
         cmocka_unit_test(test_reprojection_uniforms),
         cmocka_unit_test(test_reprojection_matrix),
+        cmocka_unit_test(test_reprojection_of_given_layers),
         cmocka_unit_test(test_reprojection_from_a_singular_view),
         cmocka_unit_test(test_bounce_and_history_uniforms),
         cmocka_unit_test(test_frames_turn_the_taps),

@@ -1,6 +1,6 @@
-/* The library as a guest in an engine's context, on a real GL: whatever the engine left behind, the picture is the same, and
-   everything that can be queried is as it was. What textures held before they were written is seen nowhere. And where one call
-   fails, the library says so and goes on. */
+/* The library as a guest in an engine's context, on a real GL: whatever the engine left behind, the picture is the
+   same, and everything that can be queried is as it was. What textures held before they were written is seen nowhere.
+   And where one call fails, the library says so and goes on. */
 #include "gl_faults.h"
 #include "gl_fixture.h"
 #include "gl_session.h"
@@ -26,17 +26,12 @@ static bool is_full(void) { return getenv("DGB_FULL") != NULL; }
 static fixture f;
 
 static dgb_desc desc_of(dgb_oracle oracle, dgb_emission emission) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = WIDTH;
-    d.height = HEIGHT;
-    d.guard_band = GUARD;
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, WIDTH, HEIGHT, GUARD);
     d.effects = PAPER_EFFECTS;
     d.oracle = oracle;
     d.emission = emission;
     d.tracer = DGB_TRACER_HIERARCHICAL;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     return d;
 }
 
@@ -47,7 +42,7 @@ static dgb_view view_at(int frame) {
     return fixture_dgb_view(&v, WIDTH, HEIGHT);
 }
 
-/* Every pixel of every result is written. */
+/* The guard band is shaded, too. */
 static dgb_params params(void) {
     dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
     q.guard_fraction = 1.0f;
@@ -69,6 +64,7 @@ static const struct result {
 enum { RESULTS = (int)(sizeof results / sizeof results[0]) };
 
 typedef struct picture {
+    int width, height;
     float* data[RESULTS];
     size_t sizes[RESULTS];
 } picture;
@@ -76,6 +72,7 @@ typedef struct picture {
 static picture take_picture(const dgb_context* c) {
     picture p;
     int i;
+    p.width = c->plan.width, p.height = c->plan.height;
     for (i = 0; i < RESULTS; ++i) {
         const int layers = results[i].layered ? c->plan.layers : 0;
         const dgb_texture texture = dgb_get_texture(c, results[i].slot);
@@ -94,12 +91,19 @@ static void free_picture(picture* p) {
     for (i = 0; i < RESULTS; ++i) free(p->data[i]);
 }
 
+/* Layers are whole; results of shading are undefined outside of the image, but for a share of the guard band. */
 static void expect_same_picture(const picture* a, const picture* b, const char* what) {
-    int i;
+    int i, y;
     for (i = 0; i < RESULTS; ++i) {
+        const size_t pixel = sizeof(float) * (size_t)results[i].channels, row = pixel * (size_t)a->width;
         assert_int_equal(a->data[i] != NULL, b->data[i] != NULL);
-        if (a->data[i] && b->data[i] && memcmp(a->data[i], b->data[i], a->sizes[i]) != 0)
+        if (!a->data[i] || !b->data[i]) continue;
+        if (results[i].layered && memcmp(a->data[i], b->data[i], a->sizes[i]) != 0)
             fail_msg("%s: %s differs", what, dgb_slot_name(results[i].slot));
+        for (y = GUARD; !results[i].layered && y < a->height - GUARD; ++y)
+            if (memcmp((char*)a->data[i] + (size_t)y * row + GUARD * pixel,
+                       (char*)b->data[i] + (size_t)y * row + GUARD * pixel, row - 2 * GUARD * pixel) != 0)
+                fail_msg("%s: %s differs", what, dgb_slot_name(results[i].slot));
     }
 }
 
@@ -255,7 +259,6 @@ static void test_disorder_is_wide(void** state) {
 
 static disorder session_user; /* none */
 static picture session_picture;
-static int session_width, session_height;
 
 static unsigned int session_program(void* user, const dgb_context* c) {
     (void)user;
@@ -275,7 +278,6 @@ static void session_look(void* user, const char* call) {
 static void session_end_of_frames(void* user, const dgb_context* c) {
     (void)user;
     session_picture = take_picture(c);
-    session_width = c->plan.width, session_height = c->plan.height;
 }
 
 /* In a context of its own; its picture is to be freed. Nothing is left behind. */
@@ -353,23 +355,6 @@ static void test_faults(void** state) {
 
 /* >> textures that hold NaN before they are written */
 
-/* Results of shading hold what they were given within the image; in the guard band, as far as it is shaded. */
-static void expect_same_image(const picture* a, const picture* b, const char* what) {
-    const int w = session_width, h = session_height;
-    int i, y;
-    for (i = 0; i < RESULTS; ++i) {
-        const size_t pixel = sizeof(float) * (size_t)results[i].channels, row = pixel * (size_t)w;
-        assert_int_equal(a->data[i] != NULL, b->data[i] != NULL);
-        if (!a->data[i] || !b->data[i]) continue;
-        if (results[i].layered && memcmp(a->data[i], b->data[i], a->sizes[i]) != 0)
-            fail_msg("%s: %s differs", what, dgb_slot_name(results[i].slot));
-        for (y = GUARD; !results[i].layered && y < h - GUARD; ++y)
-            if (memcmp((char*)a->data[i] + (size_t)y * row + GUARD * pixel,
-                       (char*)b->data[i] + (size_t)y * row + GUARD * pixel, row - 2 * GUARD * pixel) != 0)
-                fail_msg("%s: %s differs", what, dgb_slot_name(results[i].slot));
-    }
-}
-
 /* Surfaces in every layer that a picture is compared of, and sky, or the comparison means nothing. */
 static void expect_scene(const picture* p) {
     const size_t count = p->sizes[0] / sizeof(float);
@@ -400,7 +385,8 @@ static bool is_drawn_to(GLuint texture, GLint low, GLint high) {
     return false;
 }
 
-/* A texture of its kind is there, whose levels are not drawn to. Full-screen passes only: peeling is the engine's draw. */
+/* A texture of its kind is there, whose levels are not drawn to. Full-screen passes only: peeling is the engine's
+   draw. */
 static void watch_sampler(GLint program, const char* name, GLenum type) {
     const bool array = type == GL_SAMPLER_2D_ARRAY || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY;
     const bool integer = type == GL_UNSIGNED_INT_SAMPLER_2D || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY;
@@ -455,7 +441,7 @@ static void check_poison(const dgb_desc* d) {
     poisoned = gl_faults_poisoned();
     gl_faults_poison(false);
     assert_true(poisoned > 4);
-    expect_same_image(&clean, &session_picture, what);
+    expect_same_picture(&clean, &session_picture, what);
     free_picture(&clean);
     free_picture(&session_picture);
 }

@@ -1,6 +1,7 @@
-/* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted: every
-   result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
+/* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted:
+   every result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,32 +25,15 @@ static fixture f;
 
 static uint32_t random_state;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-static float float_of(uint32_t bits) {
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+static float random_unit(void) { return (float)(lcg_bits(&random_state) >> 8) / 16777216.0f; }
 
 /* NaN, infinite, largest, 1e6, subnormal, negative ones; or any bits. */
 static float injected(void) {
     static const uint32_t special[] = {0x7fc00000u, 0xffc00001u, 0x7f800000u, 0xff800000u, 0x7f7fffffu, 0xff7fffffu,
                                        0x49742400u, 0xc9742400u, 0x00000001u, 0x807fffffu, 0x80000000u, 0xbf800000u};
-    const uint32_t kind = random_bits() >> 8;
-    return float_of(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
-                              : random_bits() ^ random_bits() << 16);
-}
-
-static bool is_finite(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (bits & 0x7f800000u) != 0x7f800000u;
+    const uint32_t kind = lcg_bits(&random_state) >> 8;
+    return from_bits(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
+                               : lcg_bits(&random_state) ^ lcg_bits(&random_state) << 16);
 }
 
 /* >> two engines that show the same, one of them with what is injected */
@@ -79,8 +63,6 @@ typedef struct engine {
     const how* h;
     dgb_context c;
     images m;
-    GLuint roughness_texture;
-    float roughness[COUNT];
     dgb_params params;
 } engine;
 
@@ -102,8 +84,7 @@ static void open_engine(engine* e, const how* h) {
     e->h = h;
     e->m = images_open(WIDTH, HEIGHT);
     e->params = ordinary_params();
-    glGenTextures(1, &e->roughness_texture);
-    d = images_desc(&e->m, GUARD, h->layers, h->effects, &f.gl.backend);
+    d = images_desc(&f, &e->m, GUARD, h->layers, h->effects);
     d.estimator = h->estimator;
     d.tracer = h->tracer;
     d.thickness = h->thickness;
@@ -115,7 +96,6 @@ static void open_engine(engine* e, const how* h) {
 static void close_engine(engine* e) {
     dgb_shutdown(&e->c);
     images_close(&e->m);
-    glDeleteTextures(1, &e->roughness_texture);
 }
 
 /* Steps that face all ways, lit and rough in all ways: the surfaces always the same, their light for a seed. */
@@ -131,7 +111,7 @@ static void put_scene(engine* e, uint32_t seed) {
                     images_at(&e->m, IMAGE_RADIANCE, layer, x, y)[k] = 3.0f * random_unit();
                     images_at(&e->m, IMAGE_ALBEDO, layer, x, y)[k] = 0.8f * random_unit();
                 }
-                e->roughness[y * WIDTH + x] = random_unit();
+                e->m.roughness[y * WIDTH + x] = random_unit();
                 e->m.back[y * WIDTH + x] = *images_at(&e->m, IMAGE_DEPTH, 0, x, y) * 0.95f;
             }
 }
@@ -142,21 +122,16 @@ static void inject_inputs(engine* e, uint32_t rarity) {
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer)
             for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * COUNT; ++i)
-                if (random_bits() >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
+                if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
     for (i = 0; i < COUNT; ++i) {
-        if (random_bits() >> 8 < 16777216u / rarity) e->roughness[i] = injected();
-        if (random_bits() >> 8 < 16777216u / rarity) e->m.back[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.roughness[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.back[i] = injected();
     }
 }
 
 static dgb_result show(engine* e, bool cut) {
     dgb_view view = images_view(&e->m, GUARD);
-    dgb_layers layers = images_upload(&e->m);
-    glBindTexture(GL_TEXTURE_2D, e->roughness_texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, WIDTH, HEIGHT, 0, GL_RED, GL_FLOAT, e->roughness);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glBindTexture(GL_TEXTURE_2D, 0);
-    layers.roughness = dgbgl_texture(e->roughness_texture);
+    const dgb_layers layers = images_upload(&e->m);
     view.cut = cut;
     assert_int_equal(dgb_set_layers(&e->c, &view, &layers), DGB_OK);
     return dgb_shade(&e->c, &e->params);
@@ -175,10 +150,7 @@ static const struct {
                {DGB_REFLECTION_HIT, -1.001f, {2.0f, DGB_MAX_RADIANCE, 1.001f, 1.001f}}};
 enum { RESULTS = (int)(sizeof results / sizeof results[0]) };
 
-static float* read_result(const engine* e, dgb_slot slot) {
-    const dgb_texture texture = dgb_get_texture(&e->c, slot);
-    return texture.id ? fixture_read(texture, 0, 0, WIDTH, HEIGHT, 0, GL_RGBA, 4) : NULL;
-}
+static float* read_result(const engine* e, dgb_slot slot) { return fixture_image(&e->c, slot, 0, 4); }
 
 static void check_results(const engine* e, const char* when) {
     int r, i;
@@ -450,7 +422,8 @@ static void inject_params(dgb_params* q) {
     const size_t count = sizeof fields / sizeof fields[0];
     int n;
     for (n = 0; n < 2; ++n)
-        *fields[(random_bits() >> 8) % count] = values[(random_bits() >> 8) % (sizeof values / sizeof values[0])];
+        *fields[(lcg_bits(&random_state) >> 8) % count] =
+            values[(lcg_bits(&random_state) >> 8) % (sizeof values / sizeof values[0])];
 }
 
 static void test_params(void** state) {

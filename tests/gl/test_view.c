@@ -46,6 +46,7 @@ static int open_frame(bool es) {
     memset(&d, 0, sizeof d);
     d.width = WIDTH, d.height = HEIGHT, d.guard_band = GUARD;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT;
+    d.emission = DGB_EMISSION_SEPARATE; /* which ES has too: test_es compares bits */
     d.backend = &f.gl.backend;
     d.log = fixture_log;
     if (dgb_init(&context, &d) != DGB_OK) return 1;
@@ -200,7 +201,7 @@ static void test_divisor(void** state) {
     int x, y, surfaces = 0;
     (void)state;
     memset(&user, 0, sizeof user);
-    d.divisor = 2, d.emission = DGB_EMISSION_SEPARATE;
+    d.divisor = 2;
     d.effects = 0;
     d.backend = &f.gl.backend;
     assert_int_equal(dgb_init(&context, &d), DGB_OK);

@@ -1,5 +1,5 @@
-/* What the GL tests share: a headless context that counts messages, and a small engine with a little scene (a room of boxes
-   and columns, one of them moving) that draws into the layers. */
+/* What the GL tests share: a headless context that counts messages, and a small engine with a little scene (a room of
+   boxes and columns, one of them moving) that draws into the layers. */
 #ifndef GL_FIXTURE_H
 #define GL_FIXTURE_H
 
@@ -12,6 +12,7 @@
 typedef struct fixture {
     headless window;
     dgbgl_backend gl;
+    bool limited; /* the context is of a lower version than was asked for (DGB_GL_VERSION) */
     int messages; /* KHR_debug messages above notification so far */
     GLuint vertices, vertex_array;
     int static_count, moving_count; /* vertices of the room, then of the moving box */
@@ -28,17 +29,22 @@ typedef struct fixture_view { /* where the camera is; `fixture_default_view` sta
     bool reversed;
     dgb_clip clip;
     float jitter[2];
+    float scale; /* of the whole world, planes included */
 } fixture_view;
 
 /* 0 when it works: a GL core (or ES) context of the version, current; the scene uploaded. Prints why not. */
 int fixture_open(fixture* f, int major, int minor, bool es, const dgbgl_desc* desc);
 void fixture_close(fixture* f);
 
-/* headless_get_proc; with DGB_CLEAR_TEXTURES set in the environment fresh textures are zero. */
+/* For the cases of a loop: whether this context can do what a desc asks for. Only a limited one may refuse anything; it prints
+   `# left out ITEM`. */
+bool fixture_offers(const fixture* f, const dgb_desc* desc);
+
+/* headless_get_proc; fresh textures are full of numbers of their own, where there is OpenGL 4.4. */
 void* fixture_get_proc(const char* name);
 
-/* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages, which
-   stands last in its list. For files that include cmocka.h. */
+/* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages,
+   which stands last in its list. For files that include cmocka.h. */
 #define FIXTURE_CONTEXT(f, major, minor, es)               \
     static void test_no_messages(void** state) {           \
         (void)state;                                       \
@@ -57,6 +63,8 @@ void* fixture_get_proc(const char* name);
 
 fixture_view fixture_default_view(void);
 dgb_view fixture_dgb_view(const fixture_view* v, int width, int height);
+/* For images of that view: its size, clip space, the fixture's backend, and fixture_log. */
+dgb_desc fixture_desc(const fixture* f, const fixture_view* v, int width, int height, int guard_band);
 
 /* Links the fixture's material program for a context; 0 and a printed log when it fails. */
 GLuint fixture_program(const dgb_context* context);
@@ -74,8 +82,22 @@ void fixture_draw(void* user, const dgb_draw* draw);
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
                     int channels);
 
-/* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient visibility,
-   unless null. Caller frees both. Null where there is no such texture. */
+/* A level of an image as large as the buffer, `channels` floats a texel. Caller frees. Null: no such texture. */
+float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels);
+/* DGB_Z, of one layer or two, 0 where there is no surface. Caller frees. */
+float* fixture_z(const dgb_context* c, int level);
+/* Replaces level 0. */
+void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const float* texels);
+/* The pixels that are shaded: x0, y0, x1, y1, inclusive. */
+void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]);
+
+/* Zeros where an image of the context's size is not shaded: there it is undefined, and no test may look. Null: nothing. */
+void fixture_blank_unshaded(const dgb_context* c, float* image, int channels);
+/* fixture_image of level 0, zero where it is not shaded. */
+float* fixture_shaded(const dgb_context* c, dgb_slot slot, int channels);
+
+/* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient
+   visibility, unless null. Caller frees both. Null where there is no such texture. */
 float* fixture_read_half(dgb_texture texture, int width, int height, float** ao);
 
 /* Objects alive in the context, of names below 4096. */

@@ -1,6 +1,7 @@
 /* The mathematics of the visibility bitmask: numbers to sample with, slices of the hemisphere, their shares, and sectors. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,19 +14,6 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static double random_unit(uint64_t* state) { return ((double)random_bits(state) + 0.5) / 4294967296.0; }
 

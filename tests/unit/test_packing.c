@@ -1,6 +1,7 @@
 /* Packing: Oct16 normals, R11G11B10F and half floats, the clamp before every store. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,33 +25,11 @@
 
 /* >> bits and random numbers */
 
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
 static bool is_finite_bits(uint32_t u) { return (u & 0x7f800000u) != 0x7f800000u; }
 
 static bool is_nan_bits(uint32_t u) { return (u & 0x7fffffffu) > 0x7f800000u; }
 
 static bool is_denormal_bits(uint32_t u) { return (u & 0x7f800000u) == 0 && (u & 0x7fffffu) != 0; }
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static float random_signed(uint64_t* state) { return (float)((double)random_bits(state) / 2147483648.0 - 1.0); }
 
