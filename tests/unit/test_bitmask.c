@@ -222,7 +222,8 @@ static void test_share_of_a_facing_surface(void** state) {
     }
 }
 
-/* Where only a millionth of the direction is across the line of sight there is no slice of its own; three floats are written. */
+/* Where only a millionth of the direction is across the line of sight there is no slice of its own; three floats are
+   written. */
 static void test_slice_along_the_line_of_sight(void** state) {
     const float v[3] = {0.0f, 0.0f, 1.0f}, none[3] = {0.0f, 0.0f, 0.0f}, away[3] = {0.0f, 0.0f, -1.0f};
     const float up[3] = {0.0f, 1e-6f, 1.0f}, more[3] = {0.0f, 1.1e-6f, 1.0f};

@@ -550,7 +550,8 @@ static void test_what_is_not_finite_is_not_dithered(void** state) {
         assert_int_equal(bits_of(dgb_dithered(from_bits(special[i]), 0.75f)), special[i]);
 }
 
-/* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half to half. */
+/* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half
+   to half. */
 static void test_dithered_on_average(void** state) {
     enum { US = 8188 };
     uint64_t seed = 8;
