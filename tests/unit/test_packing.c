@@ -539,6 +539,7 @@ static void test_dithered_by_any_number(void** state) {
     assert_true(dgb_dithered(x, -1.0f) == dgb_dithered(x, 0.0f));
     assert_true(dgb_dithered(x, from_bits(0x7fc00000u)) == dgb_dithered(x, 0.0f));
     assert_true(dgb_dithered(x, 1.0f) == dgb_dithered(x, 0x0.ffffffp0f));
+    assert_true(dgb_dithered(x, 1.5f) == dgb_dithered(x, 0x0.ffffffp0f));
     assert_true(dgb_dithered(x, 1e30f) == dgb_dithered(x, 0x0.ffffffp0f));
 }
 
