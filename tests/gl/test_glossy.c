@@ -495,7 +495,7 @@ static void test_long_average_settles(void** state) {
     printf("# a long average of confidence: %.5f of what it should be, %.3f\n", sum / all, all / COUNT);
     assert_true(all > 0.1 * COUNT && fabs(sum / all - 1.0) < 1e-3);
     free(r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* A sharp image slides over its surface when the camera moves, and its history is of other things; a blurred one
