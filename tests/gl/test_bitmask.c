@@ -287,10 +287,11 @@ static void test_bodies(void** state) {
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
-/* A pane stands on a wall, so wide that it nears the eye, in steps so long that its plane goes on along them beyond every radius. From
-   the wall it is seen no higher than the radius above it: at a distance d from it, a slice towards it has at most r^2 / (r^2 + d^2) of
-   its cosine-weighted share below. A frame has one such slice, and one away from it. The line of sight, about which slices turn, is
-   off the wall's normal by up to 12 degrees, and sectors are 1/64 of the whole: 0.05. */
+/* A pane stands on a wall, so wide that it nears the eye, in steps so long that its plane goes on along them beyond
+   every radius. From the wall it is seen no higher than the radius above it: at a distance d from it, a slice towards
+   it has at most r^2 / (r^2 + d^2) of its cosine-weighted share below. A frame has one such slice, and one away from
+   it. The line of sight, about which slices turn, is off the wall's normal by up to 12 degrees, and sectors are 1/64
+   of the whole: 0.05. */
 static void test_nothing_reaches_beyond_the_radius(void** state) {
     static const pane panes[] = {{{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0},
                                  {{0.4, -3.0, -5.0}, {0.0, 0.0, 4.0}, {0.0, 6.0, 0.0}, 0.0}};

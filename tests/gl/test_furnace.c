@@ -388,9 +388,9 @@ static double mean_of_frames(room* r, int frames) {
     return sum;
 }
 
-/* 300 frames; with DGB_FULL=1 (make test-full) 2000. From frame 100 on the mean of 100 frames, or 270, stays within 0.1 %, no object,
-   no texture's or buffer's byte and nothing in the process's heap is added, and however much light there was in the beginning, it is
-   the same within 1 %. */
+/* 300 frames; with DGB_FULL=1 (make test-full) 2000. From frame 100 on the mean of 100 frames, or 270, stays within
+   0.1 %, no object, no texture's or buffer's byte and nothing in the process's heap is added, and however much light
+   there was in the beginning, it is the same within 1 %. */
 static void test_long_run(void** state) {
     static const float floods[] = {0.0f, 100.0f};
     const int windows = getenv("DGB_FULL") ? 6 : 1, frames = windows > 1 ? 270 : 100;

@@ -464,6 +464,40 @@ static void move(stage* s, float step) {
         }
 }
 
+static void fill(const stage* s, dgb_slot slot, const float texel[4]) {
+    glClearTexImage(dgbgl_texture_name(dgb_get_texture(&s->c, slot)), 0, GL_RGBA, GL_FLOAT, texel);
+}
+
+/* After frames in which no ray hit anything: the average of the frames that do, to the last thousandth. Stores to the
+   nearest would end 25 / 2048 below where all hit, and those that truncate twice that. */
+static void test_long_average_settles(void** state) {
+    static const float none[4] = {0.0f, 0.0f, 0.0f, 0.0f}, most[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+    static double expected[COUNT];
+    stage s = open_stage(OVER_TIME, 1, 0);
+    double sum = 0.0, all = 0.0;
+    float* r;
+    int frame, at;
+    (void)state;
+    set_roughness(&s, 0.4f);
+    s.params.history_weight = 0.98f, s.params.glossy_taps = 0;
+    show(&s);
+    fill(&s, DGB_REFLECTION, none), fill(&s, DGB_REFLECTION_FRAMES, most);
+    memset(expected, 0, sizeof expected);
+    for (frame = 0; frame < 400; ++frame) {
+        shade(&s);
+        r = read_slot(&s, DGB_REFLECTION_RAW);
+        for (at = 0; at < COUNT; ++at) expected[at] += 0.02 * ((double)r[4 * at + 3] - expected[at]);
+        free(r);
+    }
+    r = read_slot(&s, DGB_REFLECTION);
+    for (at = 0; at < COUNT; ++at)
+        if (is_floor_at(&s, at)) sum += (double)r[4 * at + 3], all += expected[at];
+    printf("# a long average of confidence: %.5f of what it should be, %.3f\n", sum / all, all / COUNT);
+    assert_true(all > 0.1 * COUNT && fabs(sum / all - 1.0) < 1e-3);
+    free(r);
+    stage_close(&s);
+}
+
 /* A sharp image slides over its surface when the camera moves, and its history is of other things; a blurred one
    stays. */
 static void test_sliding(void** state) {
@@ -602,9 +636,10 @@ int main(void) {
         cmocka_unit_test(test_mirror),       cmocka_unit_test(test_mirror_among_others),
         cmocka_unit_test(test_roughest),     cmocka_unit_test(test_furnace),
         cmocka_unit_test(test_lobe),         cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_history_ends), cmocka_unit_test(test_sliding),
-        cmocka_unit_test(test_heals),        cmocka_unit_test(test_built_layers),
-        cmocka_unit_test(test_any_input),    cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_history_ends), cmocka_unit_test(test_long_average_settles),
+        cmocka_unit_test(test_sliding),      cmocka_unit_test(test_heals),
+        cmocka_unit_test(test_built_layers), cmocka_unit_test(test_any_input),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -102,7 +102,8 @@ float* fixture_read_half(dgb_texture texture, int width, int height, float** ao)
 
 /* Objects alive in the context, of names below 4096. */
 int fixture_count_objects(void);
-/* Bytes of the textures and buffers among them, as GL gives their sizes; and of the process's heap, 0 where nobody counts. */
+/* Bytes of the textures and buffers among them, as GL gives their sizes; and of the process's heap, 0 where nobody
+   counts. */
 size_t fixture_count_bytes(void);
 size_t fixture_count_heap(void);
 

@@ -1,5 +1,5 @@
-/* Averages over very many frames: one pixel of the temporal filter (shaders_embedded/55_temporal.glsl), in the shader's floats and
-   stored as it stores. What it converges to, from wherever it starts, and that it stays there. */
+/* Averages over very many frames: one pixel of the temporal filter (shaders_embedded/55_temporal.glsl), in the
+   shader's floats and stored as it stores. What it converges to, from wherever it starts, and that it stays there. */
 
 #include "deepgbuffer.h"
 
@@ -23,7 +23,8 @@ enum { LONG_RUN = 200000 }; /* with sanitizers */
 
 typedef enum store { DITHERED, NEAREST, TRUNCATED } store;
 
-/* One channel of irradiance and its confidence, or, with confidence 1 in every frame, a visibility; and the frames in it. */
+/* One channel of irradiance and its confidence, or, with confidence 1 in every frame, a visibility; and the frames in
+   it. */
 typedef struct average {
     float light, confidence, frames;
 } average;
@@ -119,9 +120,9 @@ static run run_of(input kind, float mean, float most, store how) {
     return r;
 }
 
-/* Frames after which nothing is left of the farthest start, 64512 to 1e-4: 27 times as many as the average holds take it to a
-   thousandth of the mean; three more where its confidence was 14 times the samples'; as many again for the last halves, between
-   which roundings hold it up. */
+/* Frames after which nothing is left of the farthest start, 64512 to 1e-4: 27 times as many as the average holds take
+   it to a thousandth of the mean; three more where its confidence was 14 times the samples'; as many again for the
+   last halves, between which roundings hold it up. */
 static int settling(float most) { return 100 + (int)(60.0f / (1.0f - most)); }
 
 static const float weights[] = {0.5f, 0.85f, 0.95f, 0.98f, 0.999f};
@@ -164,8 +165,9 @@ static void test_constant_light_stays(void** state) {
     for_each(check_stays, CONSTANT, FAINT);
 }
 
-/* Dithering is off by some 0.4 of a step a frame, a step 1e-3 of the mean at most. At a weight of 0.999 that adds up to 6e-4 in the
-   mean of half a million frames, and to 3e-4 in that of four pixels; what was there before the frames is a tenth of it. */
+/* Dithering is off by some 0.4 of a step a frame, a step 1e-3 of the mean at most. At a weight of 0.999 that adds up
+   to 6e-4 in the mean of half a million frames, and to 3e-4 in that of four pixels; what was there before the frames
+   is a tenth of it. */
 static void check_drift(input kind, float mean, float most) {
     const int pixels = most > 0.99f ? 4 : 1;
     double off[2] = {0.0, 0.0};
@@ -194,7 +196,8 @@ static const average starts[] = {{0.0f, 0.0f, 0.0f},        {0.0f, 1.0f, 1000.0f
                                  {INFINITY, 1.0f, 1000.0f}, {NAN, 1.0f, 1000.0f},     {0.7f, NAN, 1000.0f},
                                  {NAN, NAN, NAN},           {-1.0f, -1.0f, INFINITY}, {0.7f, INFINITY, -1.0f}};
 
-/* With noise within 1 %: dithering leaves 2e-3 in the mean of 30 thousand frames at 0.999, and so do the frames before them. */
+/* With noise within 1 %: dithering leaves 2e-3 in the mean of 30 thousand frames at 0.999, and so do the frames
+   before them. */
 static void check_starts(input kind, float mean, float most) {
     size_t i;
     for (i = 0; i < sizeof starts / sizeof starts[0]; ++i) {
@@ -231,7 +234,8 @@ static void test_what_is_gone_fades(void** state) {
     }
 }
 
-/* What dithering is for: without, an average of 50 frames stops where a fiftieth of what is missing rounds to nothing. */
+/* What dithering is for: without, an average of 50 frames stops where a fiftieth of what is missing rounds to
+   nothing. */
 static void test_without_dithering_it_sticks(void** state) {
     int how, w;
     (void)state;

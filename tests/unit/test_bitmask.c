@@ -222,7 +222,17 @@ static void test_share_of_a_facing_surface(void** state) {
     }
 }
 
-/* Where only a millionth of the direction is across the line of sight there is no slice of its own; three floats are written. */
+/* A normal that is nowhere counts as facing the eye. */
+static void test_slice_without_a_normal(void** state) {
+    const float none[3] = {0.0f, 0.0f, 0.0f}, v[3] = {0.0f, 0.0f, 1.0f}, along[3] = {1.0f, 0.0f, 0.0f};
+    float slice[4];
+    (void)state;
+    dgb_slice(none, v, along, slice);
+    assert_true(slice[0] == 1.0f && slice[1] == 0.0f && fabsf(slice[2]) <= 6.8e-5f && fabsf(slice[3] - 1.0f) < 1e-6f);
+}
+
+/* Where only a millionth of the direction is across the line of sight there is no slice of its own; three floats are
+   written. */
 static void test_slice_along_the_line_of_sight(void** state) {
     const float v[3] = {0.0f, 0.0f, 1.0f}, none[3] = {0.0f, 0.0f, 0.0f}, away[3] = {0.0f, 0.0f, -1.0f};
     const float up[3] = {0.0f, 1e-6f, 1.0f}, more[3] = {0.0f, 1.1e-6f, 1.0f};
@@ -422,6 +432,7 @@ int main(void) {
         cmocka_unit_test(test_arc_sine),
         cmocka_unit_test(test_share),
         cmocka_unit_test(test_share_of_a_facing_surface),
+        cmocka_unit_test(test_slice_without_a_normal),
         cmocka_unit_test(test_slice_along_the_line_of_sight),
         cmocka_unit_test(test_slices_of_directions),
         cmocka_unit_test(test_angle_of_a_share),

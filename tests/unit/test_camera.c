@@ -618,6 +618,17 @@ static void test_widening_by_nothing_changes_nothing(void** state) {
     assert_memory_equal(p, widened, sizeof p);
 }
 
+/* The jitter is in pixels, be there two of them or one. */
+static void test_widening_of_two_pixels(void** state) {
+    const float half[2] = {0.5f, 0.5f}, quarter[2] = {0.25f, 0.25f};
+    float p[16], of_two[16], of_one[16];
+    (void)state;
+    fill_projection(&base, p);
+    dgb_widen_projection(p, 2, 2, 0, half, of_two);
+    dgb_widen_projection(p, 1, 1, 0, quarter, of_one);
+    assert_memory_equal(of_two, of_one, sizeof of_two);
+}
+
 /* >> refusals */
 
 static void check_refused(const float p[16], int width, int height, const lens* e, const char* why) {
@@ -737,6 +748,7 @@ int main(void) {
         cmocka_unit_test(test_widening_against_the_formula),
         cmocka_unit_test(test_widening_moves_pixels),
         cmocka_unit_test(test_widening_by_nothing_changes_nothing),
+        cmocka_unit_test(test_widening_of_two_pixels),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_refuses_what_cannot_be_inverted),
         cmocka_unit_test(test_scaled_matrices),

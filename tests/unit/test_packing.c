@@ -539,6 +539,7 @@ static void test_dithered_by_any_number(void** state) {
     assert_true(dgb_dithered(x, -1.0f) == dgb_dithered(x, 0.0f));
     assert_true(dgb_dithered(x, from_bits(0x7fc00000u)) == dgb_dithered(x, 0.0f));
     assert_true(dgb_dithered(x, 1.0f) == dgb_dithered(x, 0x0.ffffffp0f));
+    assert_true(dgb_dithered(x, 1.5f) == dgb_dithered(x, 0x0.ffffffp0f));
     assert_true(dgb_dithered(x, 1e30f) == dgb_dithered(x, 0x0.ffffffp0f));
 }
 
@@ -550,7 +551,8 @@ static void test_what_is_not_finite_is_not_dithered(void** state) {
         assert_int_equal(bits_of(dgb_dithered(from_bits(special[i]), 0.75f)), special[i]);
 }
 
-/* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half to half. */
+/* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half
+   to half. */
 static void test_dithered_on_average(void** state) {
     enum { US = 8188 };
     uint64_t seed = 8;
