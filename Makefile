@@ -92,8 +92,8 @@ $(foreach p,egl epoxy glfw3,$(if $(shell pkg-config --exists $(p) 2>/dev/null &&
 endif
 
 .PHONY: all help setup demo pictures test test-full check check-core check-gl check-reference coverage mutate examples \
-        bench fuzz gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget install \
-        uninstall embed embed-check shaders-check format format-fix tidy clean
+        bench fuzz gpu-cost core-tests gl-tests gpu-tests reference-tests scene-tests fuzz-targets trade budget \
+        install uninstall embed embed-check shaders-check format format-fix tidy clean
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -135,9 +135,10 @@ test: setup ## set up, build and run every test
 	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
 
 # Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
-full_tests := build/sanitize/tests/backends/test_gl_faults build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
+full_tests := build/sanitize/tests/backends/test_gl_faults \
+    build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
 valgrind := $(shell command -v valgrind)
-test-full: ## what is too long for `make test`: every fault in turn, state by more seeds, 2000 frames, valgrind, other OpenGLs
+test-full: ## what is too long for `make test`: every fault, state by more seeds, 2000 frames, valgrind, other OpenGLs
 	@$(MAKE) config=sanitize build/sanitize/tests/backends/test_gl_faults
 	@$(MAKE) config=release gl-tests
 	@$(MAKE) config=debug build/debug/tests/backends/test_gl_faults
@@ -169,7 +170,7 @@ coverage: ## what lines and branches of the headers the tests reach (gcov); fail
 
 COUNT ?= 200
 SEED ?= 1
-mutate: core-tests ## small mistakes, COUNT=200 by SEED=1, in the core's mathematics: how many tests/unit notices; 90 % at least
+mutate: core-tests ## how many of COUNT=200 mistakes, by SEED=1, in the core's mathematics tests/unit notices (>= 90 %)
 	@OBJECTS=$(B) COUNT=$(COUNT) SEED=$(SEED) tests/mutate/mutate.sh
 
 examples: $(examples) ## build every example
@@ -188,13 +189,14 @@ fuzz: ## run each fuzz target for SECONDS=20 on inputs that libFuzzer makes up; 
 gpu-cost: gpu-tests ## what the shaders cost on a GPU, compiled offline: a table, and build/gpu_cost.csv
 	@$(if $(vulkan),$(gpu_cost),echo "gpu-cost: skipped: libvulkan is missing (Debian, Ubuntu: libvulkan-dev)")
 
-trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="FILE@CAMERA ..." in place of the procedural ones
+trade: $(B)/trade ## measure errors and costs of all settings; QUICK=1, SCENES="FILE@CAMERA ..." in place of ours
 	@$< $(if $(QUICK),--quick) $(SCENES)
 
 budget: $(B)/trade ## measure the settings of which dgb_preset_for picks, and write its table; SCENES="FILE@CAMERA ..."
 	@$< --budget $(SCENES)
 
-# Where `make install` puts what, below DESTDIR. The headers are the same for every machine, and so is what says where they are.
+# Where `make install` puts what, below DESTDIR. The headers are the same for every machine, and so is what says where
+# they are.
 prefix     ?= /usr/local
 includedir  = $(prefix)/include
 pkgconfigdir = $(prefix)/share/pkgconfig
@@ -240,9 +242,11 @@ format: ## fail when a source is not formatted
 format-fix: ## format the sources
 	@clang-format -i $(our_h) $(our_c) $(our_cpp)
 
+tidy: private our_c := $(filter-out $(if $(vulkan),,tests/gpu_cost/%) $(if $(sdl2),,%/sdl2.c),$(our_c))
+tidy: private our_cpp := $(filter-out $(if $(imgui),,$(viewer_sources)),$(our_cpp))
 tidy: ## run clang-tidy on the headers, the examples and the tests
-	@$(if $(our_c),clang-tidy --quiet $(filter-out $(if $(vulkan),,tests/gpu_cost/%) $(if $(sdl2),,%/sdl2.c),$(our_c)) -- -std=c99 $(CPPFLAGS))
-	@$(if $(our_cpp),clang-tidy --quiet $(filter-out $(if $(imgui),,$(viewer_sources)),$(our_cpp)) -- -std=c++17 $(CPPFLAGS))
+	@clang-tidy --quiet $(our_c) -- -std=c99 $(CPPFLAGS)
+	@clang-tidy --quiet $(our_cpp) -- -std=c++17 $(CPPFLAGS)
 
 clean: ## remove build/
 	@rm -rf build
@@ -309,7 +313,8 @@ $(call scene_tests,$(config)): $(B)/%: $(B)/obj/%.o $(scene_loader)
 	$(call say,link)
 	$(call link,$(CXX),cmocka $(gltf))
 
-# What a fuzz target may call: the library, the recording backend, the loader of scenes. The driver stands in for libFuzzer.
+# What a fuzz target may call: the library, the recording backend, the loader of scenes. The driver stands in for
+# libFuzzer.
 fuzzed := $(call objects,tests/fuzz/fuzz.c tests/support/deepgbuffer.c tests/support/record_backend.c \
     $(if $(filter-out fuzz,$(config)),tests/fuzz/driver.c)) $(scene_loader)
 

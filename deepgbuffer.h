@@ -16,7 +16,7 @@
        After "Deep G-Buffers for Stable Global Illumination Approximation", Mara, McGuire, Nowrouzezahrai, Luebke, 2016
        (called "the paper" below).
 
-   WHAT IT DOES NOT
+   WHAT IT DOES NOT DO
        - open windows, load files, own a scene graph, or know your materials: you draw, through a callback;
        - light your scene: you write or compute outgoing radiance, it gathers from that;
        - composite, tone-map or anti-alias: you get textures;
@@ -30,26 +30,27 @@
        dgb_shade(&dgb, &q);                                   occlusion and bounced light
        ...composite with dgb_get_texture(&dgb, DGB_AO) and dgb_get_texture(&dgb, DGB_IRRADIANCE)
    With a depth buffer of your own and nothing else: set desc.source = DGB_SOURCE_ENGINE, call dgb_set_layers instead of
-   dgb_build. examples/minimal.c is a whole program; examples/integrations/ is to copy from, ao_depth.c being the shortest.
+   dgb_build. examples/minimal.c is a whole program; examples/integrations/ is to copy from, ao_depth.c the shortest.
 
    STEP BY STEP
        1 init       Fill a dgb_desc (0 = default), call dgb_init. What was chosen is in context.plan.
        2 build      dgb_build calls you back with matrices to draw with: widened by the guard band, jittered. Draw every
                     opaque object once, as dgb_draw says. Alpha test before the keep test.
-       3 light      Each layer is an image of the arrays DGB_DEPTH, DGB_ALBEDO, DGB_NORMAL: light it as you light your own
-                    G-buffer and add the result to that layer of DGB_RADIANCE, or let the material shaders write lit
+       3 light      Each layer is an image of the arrays DGB_DEPTH, DGB_ALBEDO, DGB_NORMAL: light it as you light your
+                    own G-buffer and add the result to that layer of DGB_RADIANCE, or let the material shaders write lit
                     radiance in step 2. The image sits guard_band pixels inside the buffer; layers behind the first fill
                     width / divisor x height / divisor texels, texel q at pixel (q + 0.5) * divisor.
-       4 shade      dgb_shade runs the passes that desc.effects asked for, once a frame. Called again on the same layers it
-                    is a further frame in which nothing has moved: one bounce more, one set of taps more.
-       5 composite  Yours. For Lambert surfaces: final = emission + direct + albedo/pi * lerp(AV * E_probe, E, c),
-                    AV from DGB_AO, E and its confidence from DGB_IRRADIANCE, c = min(2 confidence, 1), E_probe what you have
-                    for light from elsewhere: a light probe, or a constant. (The paper takes the confidence itself; twice
-                    that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add their
-                    reflectance or environment BRDF times lerp(environment, L, confidence), both from DGB_REFLECTION.
-                    dgbgl_composite_snippet has these in GLSL. Results are as large as the buffer: pixel p of the image is
-                    texel p + guard_band. What lies beyond the shaded part of the guard band (params.guard_fraction), of
-                    reflections what lies beyond the image, is undefined.
+       4 shade      dgb_shade runs the passes that desc.effects asked for, once a frame. Called again on the same layers
+                    it is a further frame in which nothing has moved: one bounce more, one set of taps more.
+       5 composite  Yours; dgbgl_composite_snippet has the following in GLSL. For Lambert surfaces
+                        final = emission + direct + albedo/pi * lerp(AV * E_probe, E, c)
+                    AV from DGB_AO, E and its confidence from DGB_IRRADIANCE, c = min(2 confidence, 1), E_probe what you
+                    have for light from elsewhere: a light probe, or a constant. (The paper takes c = confidence; twice
+                    that is nearer to ray-traced light in every scene measured.) Mirrors and rough surfaces add
+                        reflectance, or environment BRDF, * lerp(environment, L, confidence)
+                    L and its confidence from DGB_REFLECTION. Results are as large as the buffer: pixel p of the image
+                    is texel p + guard_band. Beyond the shaded part of the guard band (params.guard_fraction) they are
+                    undefined, reflections beyond the image.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS
@@ -60,7 +61,8 @@
        are stated once in the desc. Off-centre, orthographic, reversed and infinite projections are fine; oblique
        near planes and skew are refused.
        Radiance is outgoing, W/(m2 sr): albedo/pi * irradiance + emission. Irradiance is W/m2.
-       Two rules for zero, never mixed: in dgb_desc 0 means "default"; in dgb_params 0 means 0, and dgb_preset fills them.
+       Two rules for zero, never mixed: in dgb_desc 0 means "default"; in dgb_params 0 means 0, and dgb_preset fills
+       them.
 
    DATA FLOW (the order of the code below, of shaders_embedded/ and of the tests)
        depth -> [warp]        WARP: last frame's depth from this frame's camera
@@ -91,12 +93,13 @@
                              of moving things. Needs previous positions of every vertex. The default.
                   PREDICT    a depth-only pass of the frame before, drawn with a guess of this frame's pose. As good as
                              the guess; 2 (k-1) more depth layers.
-                  DELAY      the same with the true pose, by showing everything one frame late. Exact for layer 1; deeper
-                             layers err under motion as PREVIOUS does.
-                  WARP       last frame's layer j-1 as this frame's camera would have seen it: a full-screen pass a layer,
-                             after which each pixel looks at itself. Wrong by up to half a texel along silhouettes, and
-                             where objects move by themselves, which it takes to stand still. The closest to PEEL of
-                             those that draw each pose once, and in memory the least; needs no previous positions.
+                  DELAY      the same with the true pose, by showing everything one frame late. Exact for layer 1;
+                             deeper layers err under motion as PREVIOUS does.
+                  WARP       last frame's layer j-1 as this frame's camera would have seen it: a full-screen pass a
+                             layer, after which each pixel looks at itself. Wrong by up to half a texel along
+                             silhouettes, and where objects move by themselves, which it takes to stand still. The
+                             closest to PEEL of those that draw each pose once; the least memory; needs no previous
+                             positions.
        emission   how one submission reaches all layers:
                   SEPARATE            one draw callback a layer
                   VERTEX              instances times layers; the vertex shader picks the layer
@@ -108,87 +111,100 @@
                                       rasteriser known to run them in order. No early depth test for layer 0.
                   MULTICAST           NVIDIA's viewport multicast behind a pass-through geometry shader. Validated by a
                                       compiler, never run by the authors.
-                  AUTO picks by capability, on a software rasteriser IMAGE, the fastest there in large scenes, and says in
-                  the plan what it picked. dgbgl_calibrate picks by measuring your scene on your device.
+                  AUTO picks by capability (on a software rasteriser IMAGE, the fastest there in large scenes) and says
+                  in the plan what it picked. dgbgl_calibrate picks by measuring your scene on your device.
        divisor    resolution of the layers behind the first: 1, 1/2 or 1/4 in each direction.
        The first frame, and the frame after a cut or a resize, is always built by peeling, so no layer is ever unfilled.
-       While nothing moves every oracle gives what PEEL gives, bit for bit, by every emission that does not clip (GEOMETRY,
-       INSTANCED_GEOMETRY, and any single pass with a divisor, move the last bits of depth).
-       With strict separation (params, on in every preset) the pack pass empties each layer-1 texel that is not more than
-       the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
+       While nothing moves every oracle gives what PEEL gives, bit for bit, by every emission that does not clip
+       (GEOMETRY, INSTANCED_GEOMETRY, and any single pass with a divisor, move the last bits of depth).
+       With strict separation (params, on in every preset) the pack pass empties each layer-1 texel that is not more
+       than the minimum separation behind the true layer 0: what the oracle got wrong becomes a hole, never a lie.
 
    CHOOSING QUALITY
-       (The README's "Tune it" goes by what you see: noise, flicker, halos, leaks, borders.)
+       (The README's "Tune it" goes by what you see: noise, flicker, halos, leaks, borders. `make bench` measures the
+       cost of each choice.)
        Set three lengths to your scene first: separation (what lies behind a column is about that far behind: 0.5 m in
        rooms and courts), ao_radius (the size of a crease that should darken) and radius (how far light bounces).
-       Then take a preset, the paper's Table 2; every number can be changed from frame to frame without compiling anything.
-       samples and ao_samples reduce noise, filter_taps hide it, normal_test removes light from surfaces that face away,
-       min_level trades noise for cache, guard_fraction matters to light that bounces on. adaptive leaves out work, never
-       results.
-       desc.estimator: PAPER is the paper's, tuned by ao_bias, ao_epsilon, senders and normaliser. BITMASK asks which share of
-       the cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023, here of two layers): nearer ones hide what
-       is behind them, nothing sends through anything, and confidence is the share that is covered, so that what is left is
-       the probe's. Visibility is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no say.
-       The taps are shared among `slices` planes through the line of sight: one slice is noisy in a frame and meant for
-       TEMPORAL, more share out the noise. thickness is how far behind its surface an object is taken to hide at most
-       (desc.thickness); what neither begins nor ends within the radius hides nothing. With normal_test a sender stands for the
-       whole step around it, along its plane; without, light leaks past surfaces thinner than the step. What lies beyond the
-       buffer neither hides nor sends.
-       DGB_EFFECT_BOUNCES adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
-       What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping below 1 lets light
-       that has gone fade sooner, and darkens; the boosts emphasise coloured light, against the conservation of energy.
-       DGB_EFFECT_TEMPORAL averages over frames, each of which takes other taps. history_weight 0.85 is the
-       paper's advice: more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A surface that
-       has just come into view averages the frames that it has. history_clamp keeps history within what this frame's neighbours
-       found, where surfaces move: 1 to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples,
-       and their light with them: the picture gets darker where few taps find a lamp. Velocities tell where a surface's history
-       lies; it is checked against both layers of last frame, within history_tolerance of the distance or history_floor: a
-       surface that steps out from behind another keeps its light.
-       First frames, cuts, new sizes, and other radii, biases or separations start afresh; presets switch without.
-       DGB_EFFECT_BENT, with AO and BITMASK, says from where a point is open: the mean of the open directions, in world space and
-       weighted by the cosine, whose direction is the bent normal and whose length, over the open share beside it, tells how wide
-       the opening is (dgb_bent_cosine). A probe that is looked up there lights a corner under a window from the window:
-       dgb_bent_direction and dgb_probe_visible of the composite snippet. Of an open point it is 2/3 of the normal, exactly.
-       PAPER's confidence is the share of taps within the radius that found a sender. Both filters weigh light by it: a pixel
-       whose taps found nothing says nothing.
-       DGB_EFFECT_REFLECT marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
-       mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1 follows every pixel;
-       longer steps are cheaper and look for the hit within the step. Mirrored surfaces show what they send, and with
-       RADIOSITY what they make of bounced light: last frame's with BOUNCES, else this frame's, albedo/pi * confidence * E,
-       which needs ALBEDO. (Light from a probe is not known here: add to DGB_RADIANCE what should be mirrored of it.)
-       DGB_EFFECT_GLOSSY turns the mirror of each pixel into that of one microfacet, as a surface of the perceptual roughness
-       in the blue channel of DGB_NORMAL (dgb_layers.roughness) shows them, and takes into account the rays of glossy_taps
-       neighbours on the same surface. The result is the average radiance of the lobe, D(h) G1(v) / (4 n.v), by which your
-       environment map should be prefiltered and which your environment BRDF multiplies (split sum). Confidence is the share of
-       the lobe that hits something. With TEMPORAL the frames are averaged, by history_weight: along the motion of the surface,
-       and only as far as the mirrored image, which moves otherwise, has not slid out of what the lobe blurs; the less rough, the
-       less. Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of a surface that
-       stands still lags behind. Roughness 0 is the mirror, exactly.
-       desc.thickness: what ends a surface of the first layer sooner than thickness (BITMASK) and reflect_thickness, which are
-       all there is to know of the second layer's. LAYERS: the second layer. BACK_FACES: that, and the nearest back face behind the
-       first, but for a quarter of the most: thin things let rays pass behind them, and the most can be several times longer (1 m in
-       rooms). Takes one more draw of the scene, of depth alone, whatever the emission (dgb_draw.back_faces: cull front faces; draw
-       both sides of what has two; alpha test as ever), a depth texture and 8 bytes a pixel more of DGB_Z. Measures closed
-       objects; behind open ones lies the back of another or none, and the most stands in. CONSTANT: nothing, to compare with.
-       desc.tracer: LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of cells tell
-       that they hit nothing, before all surfaces, behind them or between the two layers, and finds the very same hits: the
-       longer the rays and the shorter the steps, the more it saves.
-       desc.senders: BOTH is the paper's text and the default: each accepted surface counts. STRONGEST counts the brighter of
-       the two, so dark surfaces behind bright ones take nothing away; the picture gets lighter, not more accurate.
-       desc.normaliser: BOUNDED is the default: a point never gets more than the brightest sender would give from
-       everywhere. PAPER is Equation 4 and can give twice that.
-       Cost of each: `make bench`.
+       Then take a preset, the paper's Table 2. Every number can be changed from frame to frame without compiling
+       anything.
+       taps         samples and ao_samples reduce noise, filter_taps hide it. normal_test removes light from surfaces
+                    that face away. min_level trades noise for cache hits. guard_fraction matters to light that bounces
+                    on. adaptive leaves out work, never results.
+       estimator    (desc) what AO and RADIOSITY compute.
+                    PAPER    the paper's equations, tuned by ao_bias, ao_epsilon, senders and normaliser. Confidence is
+                             the share of the taps within the radius that found a sender.
+                    BITMASK  which share of the cosine-weighted hemisphere nearby surfaces cover (Therrien et al. 2023,
+                             here of two layers). Nearer surfaces hide what is behind them, nothing sends through
+                             anything, and confidence is the share that is covered: the rest is the probe's. Visibility
+                             is that of rays of the length ao_radius, without a falloff; ao_bias and ao_epsilon have no
+                             say. The taps are shared among `slices` planes through the line of sight: one slice is
+                             noisy in a frame and meant for TEMPORAL; more of them lessen the noise. With normal_test a
+                             sender stands for the whole step around it, along its plane; without, light leaks past
+                             surfaces thinner than the step. What neither begins nor ends within the radius hides
+                             nothing; what lies beyond the buffer neither hides nor sends.
+       thickness    (desc) what ends an object behind its surface. params.thickness (BITMASK) and reflect_thickness are
+                    the most; objects of the first layer end sooner:
+                    LAYERS      where the second layer begins;
+                    BACK_FACES  there, or at the nearest back face behind the first layer, but not before a quarter of
+                                the most. Rays pass behind thin things, and the most can be several times longer (1 m in
+                                rooms). Takes one more draw of the scene, of depth alone, whatever the emission
+                                (dgb_draw.back_faces; alpha test as ever), a depth texture and 8 bytes a pixel more of
+                                DGB_Z. Right for closed objects; behind open ones lies the back of another, or none:
+                                then the most holds;
+                    CONSTANT    not at all: to compare with.
+       senders      (desc, PAPER) BOTH, the default, is the paper's text: each accepted surface counts. STRONGEST counts
+                    the brighter of the two, so dark surfaces behind bright ones take nothing away; the picture gets
+                    lighter, not more accurate.
+       normaliser   (desc, PAPER) BOUNDED, the default: a point never gets more than the brightest sender would give
+                    from everywhere. PAPER is Equation 4 and can give twice that.
+       BOUNCES      adds a bounce a frame, from the irradiance of the frame before in both layers (paper, section 3.3).
+                    What is hidden receives and sends as well, so light finds its way around the corner. bounce_damping
+                    below 1 lets light that has gone fade sooner, and darkens; the boosts emphasise coloured light,
+                    against the conservation of energy.
+       TEMPORAL     averages over frames, each of which takes other taps. history_weight 0.85 is the paper's advice:
+                    more is smoother and lags behind moving lights; at 0.98 what BITMASK finds is nearly still. A
+                    surface that has just come into view averages the frames that it has. Velocities tell where a
+                    surface's history lies; it is checked against both layers of last frame, within history_tolerance of
+                    the distance or history_floor: a surface that steps out from behind another keeps its light.
+                    history_clamp keeps the history of surfaces that move within what this frame's neighbours found: 1
+                    to 3 shortens trails and adds noise. sample_clamp, 2 to 10, takes out single bright samples, and
+                    their light with them: the picture gets darker where few taps find a lamp. First frames, cuts, new
+                    sizes, and other radii, biases or separations start afresh; other presets go on with the history.
+                    Both filters weigh light by its confidence: a pixel whose taps found nothing says nothing.
+       BENT         with AO and BITMASK, says where a point is open to: the cosine-weighted mean of the open directions,
+                    in world space. Its direction is the bent normal; its length, over the open share beside it, tells
+                    how wide the opening is (dgb_bent_cosine). Of an open point it is 2/3 of the normal, exactly. A
+                    probe that is looked up there lights a corner under a window from the window: dgb_bent_direction and
+                    dgb_probe_visible of the composite snippet.
+       REFLECT      marches one mirrored ray a pixel. What passes in front of an object does not take it out of the
+                    mirror. A ray that hits nothing has confidence 0: your environment map's turn. reflect_stride 1
+                    follows every pixel; longer steps are cheaper and look for the hit within the step. Mirrored
+                    surfaces show what they send, and with RADIOSITY what they make of bounced light, albedo/pi *
+                    confidence * E: last frame's with BOUNCES, else this frame's. (That needs ALBEDO. Light from a probe
+                    is not known here: add to DGB_RADIANCE what should be mirrored of it.)
+       tracer       (desc) LINEAR tests every step of a ray. HIERARCHICAL leaves out steps of which the depth ranges of
+                    cells tell that they hit nothing, and finds the very same hits: the longer the rays and the shorter
+                    the steps, the more it saves.
+       GLOSSY       turns the mirror of each pixel into that of one microfacet, of the perceptual roughness in the blue
+                    channel of DGB_NORMAL (dgb_layers.roughness), and averages over the rays of glossy_taps neighbours
+                    on the same surface. The result is the average radiance of the lobe D(h) G1(v) / (4 n.v), by which
+                    your environment map should be prefiltered and which your environment BRDF multiplies (split sum).
+                    Confidence is the share of the lobe that hits something. Roughness 0 is the mirror, exactly. With
+                    TEMPORAL frames are averaged as well, by history_weight, along the motion of the surface, and the
+                    less the farther the mirrored image, which moves otherwise, has slid beyond what the lobe blurs.
+                    Another reflect_distance, reflect_thickness or separation starts afresh. What moves in the mirror of
+                    a surface that stands still lags behind.
 
    WRITING A BACKEND
        Fill a dgb_backend with `version = DGB_VERSION`, the caps, and the callbacks. The library calls, between
        `begin` and `end` (both optional: save and restore the host's state there):
-           texture_create / texture_destroy, program_create / program_destroy        in dgb_init, dgb_resize, dgb_shutdown
-           pass_begin, texture_bind*, uniforms_upload, draw_fullscreen, pass_end     a full-screen pass
-           pass_begin, texture_bind*, uniforms_upload, <your draw callback>, pass_end   the layered pass
-       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. When pass_begin returns an
-       error, nothing else of the call runs, but `end`, which tells of what the device refused without pass_begin's noticing:
-       of passes only, for whoever creates something tells of that itself. Textures bound to a pass
-       are named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
+           texture_create / texture_destroy, program_create / program_destroy      in dgb_init, dgb_resize, dgb_shutdown
+           pass_begin, texture_bind*, uniforms_upload, draw_fullscreen, pass_end       a full-screen pass
+           pass_begin, texture_bind*, uniforms_upload, <your draw callback>, pass_end  a pass of your geometry
+       A create callback returns DGB_OK and a handle whose id is not 0, or an error and nothing. When pass_begin returns
+       an error, of that call only `end` still runs. `end` returns what else the device refused in the passes between
+       `begin` and it; what a create callback has returned already it does not repeat. Textures bound to a pass are
+       named by slot; the program of pass p is described by dgb_program_desc (pass + defines) and needs exactly the
        slots and outputs that the plan lists for p. uniforms_upload hands a std140 struct (dgb_*_uniforms below) that is
        valid until the call returns. Handles are opaque to the library; 0 is none.
        What a pass wants of the device is all in dgb_pass: targets with level and layer (-1: all layers at once),
@@ -198,10 +214,10 @@
        examples/integrations/custom_rhi.c is one to start from, tests/support/record_backend.c one without a device.
 
    NUMERICAL GUARANTEES (unit tests hold every row)
-       Every function of the mathematics takes any bits: it comes back, nothing on the way is undefined, and the result is finite
-       where no row says otherwise. Without contraction (-ffp-contract=off) gcc and clang give the same bits with -O0, -O2 and
-       -O3; what is exact in integers gives them with -ffast-math too, the rest there stays finite and in range. Errors are
-       relative where no unit is given; `-:` is what minus infinity, or a negative number, gives.
+       Every function of the mathematics takes any bits: it returns, nothing on the way is undefined behaviour, and the
+       result is finite where no row says otherwise. Without contraction (-ffp-contract=off) gcc and clang give the same
+       bits with -O0, -O2 and -O3; with -ffast-math what is exact in integers still does, and the rest stays finite and
+       in range. Errors are relative where no unit is given; `-:` is what minus infinity, or a negative number, gives.
        function                error                       at 0             NaN           infinity       subnormal
        dgb_oct16_encode        0.957 deg, axes exact       +Z               +Z            +Z             +Z
        dgb_oct16_decode        length within 2.4e-7 of 1
@@ -212,6 +228,7 @@
        dgb_r11g11b10f_unpack   exact                       0                its code's    its code's     -
        dgb_half_from_float     2^-11                       0, signed        0             +-65504        0, signed
        dgb_half_to_float       exact                       0, signed        its code's    its code's     -
+       dgb_dithered            on average over u 1e-6      0                stays         stays          0
        dgb_spiral_turns        exact minimiser to 256      0, as for n < 1
        dgb_spiral_tap          1 ulp                       outside 0..n-1: {1, 0, 0}
        dgb_rotation            1 ulp                       {1, 0}
@@ -255,25 +272,27 @@
        No globals. Math functions are pure. One context is used by one thread at a time, on the thread of its device.
 
    ERRORS
-       Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason is
-       a dgb_log_item and one sentence, given to desc.log. A context that is null or not live gives DGB_INVALID and no
-       sentence: it has no log. A device that fails while dgb_build draws takes the layers with it, one that fails in dgb_shade
-       the history and the results: the next call starts afresh.
+       Every call that can fail returns a dgb_result and has checked everything before it changes anything. The reason
+       is a dgb_log_item and one sentence, given to desc.log. A context that is null or not live gives DGB_INVALID and
+       no sentence: it has no log. When the device fails in dgb_build, the layers are lost; when it fails in dgb_shade,
+       the history and the results are. The next call starts afresh.
 
    LIMITS
        Shading reads the first two layers, however many are built. Positions beyond 1e15 m count as sky.
-       Far away depth formats do not tell a separation from none (dgb_separation_limit): with a near plane at 0.1 m, half a metre is
-       told up to 57 m in D16, 916 m in D24 and D32F, but some 4 million metres in D32F with reversed depth.
+       Far away, a depth format cannot resolve the separation (dgb_separation_limit): with a near plane at 0.1 m, half a
+       metre is resolved up to 57 m in D16, 916 m in D24 and D32F, some 4 million metres in D32F with reversed depth.
        No tap is farther from its pixel than the buffer's diagonal, however large the radius is in pixels.
-       A new size keeps the programs and nothing else: dgb_resize makes every texture anew before it lets go of the old ones,
-       and the frame after it is as the first: peeled, without history or bounces. That is right for a window that is
-       dragged. A resolution that follows the load should change seldom, or have a context for each of a few sizes, with
-       programs and memory of its own and view.cut in its first frame after another's turn.
-       Velocities carry no depth: of an object that moves towards the eye and not across, history is rejected.
+       A new size keeps the programs and nothing else: dgb_resize makes every texture anew before it lets go of the old
+       ones, and the frame after it is as the first: peeled, without history or bounces. That is right for a window that
+       is dragged. A resolution that follows the load should change seldom, or have a context for each of a few sizes,
+       with programs and memory of its own and view.cut in its first frame after another's turn.
+       The velocities of DGB_VELOCITY carry no depth: the history of an object that moves towards the eye and not across
+       the image is rejected.
 
    VERSION HISTORY
-       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter, reconstruction,
-              mirror and glossy reflections; visibility bitmask, bent directions, thickness by back faces; OpenGL backend
+       0.1.0  every oracle and emission, 1 to 8 layers; ambient occlusion, many bounces, temporal filter,
+              reconstruction, mirror and glossy reflections; visibility bitmask, bent directions, thickness by back
+              faces; OpenGL backend
 */
 
 #ifndef DEEPGBUFFER_H
@@ -322,8 +341,8 @@ extern "C" {
 #define DGB_GATHER_LOG2_Q 4               /* radiosity taps within 2^4 = 16 pixels read level 0 */
 #define DGB_MAX_TARGETS 4                 /* colour targets of one pass */
 #define DGB_MAX_INPUTS 14                 /* textures read by one pass */
-#define DGB_MAX_DEFINES 8
-#define DGB_MAX_PROGRAMS 19
+#define DGB_MAX_DEFINES 8                 /* of one program */
+#define DGB_MAX_PROGRAMS 19               /* of one plan, like the next two */
 #define DGB_MAX_PASSES 28
 #define DGB_MAX_TEXTURES 45
 
@@ -391,23 +410,24 @@ typedef void (*dgb_log_fn)(void* user, dgb_result result, dgb_log_item item, con
 
 /* --- what there is to choose -------------------------------------------------------------------------------------- */
 
-enum {                           /* bits of dgb_desc.effects; 0 builds the layers and nothing else */
-       DGB_EFFECT_AO = 1,        /* ambient occlusion: DGB_AO */
-       DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
-       DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
-       DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
-       DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
-       DGB_EFFECT_GLOSSY = 32,   /* with REFLECT: by each surface's roughness */
-       DGB_EFFECT_BENT = 64      /* with AO and BITMASK: from where the sky is seen: DGB_BENT */
+/* Bits of dgb_desc.effects; 0 builds the layers and nothing else. */
+enum {
+    DGB_EFFECT_AO = 1,        /* ambient occlusion: DGB_AO */
+    DGB_EFFECT_RADIOSITY = 2, /* bounced diffuse light: DGB_IRRADIANCE */
+    DGB_EFFECT_BOUNCES = 4,   /* with RADIOSITY: one bounce more a frame, and DGB_IRRADIANCE1 for the second layer */
+    DGB_EFFECT_TEMPORAL = 8,  /* with AO, RADIOSITY or GLOSSY: averages them over frames */
+    DGB_EFFECT_REFLECT = 16,  /* mirror reflections, of bounced light too with RADIOSITY: DGB_REFLECTION */
+    DGB_EFFECT_GLOSSY = 32,   /* with REFLECT: by each surface's roughness */
+    DGB_EFFECT_BENT = 64      /* with AO and BITMASK: from where the sky is seen: DGB_BENT */
 };
 
-enum { /* bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four */
-       DGB_TARGET_ALBEDO = 1, /* RGBA8: linear albedo, one value of the engine's own */
-       DGB_TARGET_NORMAL =
-           2, /* RGBA8: Oct16 camera-space normal; roughness for GLOSSY, else the engine's own; the engine's own */
-       DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
-       DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
-       DGB_TARGET_ALL = 15
+/* Bits of dgb_desc.targets: colour targets of a layer, 32 bits a pixel each; 0 means all four. */
+enum {
+    DGB_TARGET_ALBEDO = 1,   /* RGBA8: linear albedo, one value of the engine's own */
+    DGB_TARGET_NORMAL = 2,   /* RGBA8: Oct16 camera-space normal; two of the engine's own, for GLOSSY b: roughness */
+    DGB_TARGET_RADIANCE = 4, /* R11G11B10F: outgoing radiance */
+    DGB_TARGET_VELOCITY = 8, /* RG16F: motion since the last frame, pixels */
+    DGB_TARGET_ALL = 15
 };
 
 typedef enum dgb_source {
@@ -427,8 +447,8 @@ typedef enum dgb_oracle {
 } dgb_oracle;
 
 typedef enum dgb_emission {
-    DGB_EMISSION_AUTO =
-        0, /* SEPARATE for PEEL or one layer; else caps.preferred, VERTEX, GEOMETRY, SEPARATE: the first there is */
+    /* SEPARATE for PEEL or one layer; else caps.preferred, VERTEX, GEOMETRY, SEPARATE: the first there is */
+    DGB_EMISSION_AUTO = 0,
     DGB_EMISSION_SEPARATE,           /* one draw callback a layer */
     DGB_EMISSION_GEOMETRY,           /* one draw callback; a geometry shader emits every triangle to every layer */
     DGB_EMISSION_VERTEX,             /* one draw callback; instances times layers, the vertex shader picks the layer */
@@ -444,45 +464,49 @@ typedef enum dgb_clip {
     DGB_CLIP_COUNT
 } dgb_clip;
 
-typedef enum dgb_normals {                             /* how the engine's own normals come (DGB_SOURCE_ENGINE) */
-                           DGB_NORMALS_FROM_DEPTH = 0, /* there are none: derive them from depth */
-                           DGB_NORMALS_OCT16,          /* r, g hold dgb_oct16_encode of the camera-space normal */
-                           DGB_NORMALS_UNORM,          /* r, g, b hold n * 0.5 + 0.5 */
-                           DGB_NORMALS_FLOAT,          /* r, g, b hold n */
-                           DGB_NORMALS_COUNT
+/* How the engine's own normals come (DGB_SOURCE_ENGINE). */
+typedef enum dgb_normals {
+    DGB_NORMALS_FROM_DEPTH = 0, /* there are none: derive them from depth */
+    DGB_NORMALS_OCT16,          /* r, g hold dgb_oct16_encode of the camera-space normal */
+    DGB_NORMALS_UNORM,          /* r, g, b hold n * 0.5 + 0.5 */
+    DGB_NORMALS_FLOAT,          /* r, g, b hold n */
+    DGB_NORMALS_COUNT
 } dgb_normals;
 
-typedef enum dgb_senders { /* which of the two surfaces under a tap send light (paper, section 3.2) */
-                           DGB_SENDERS_BOTH =
-                               0, /* every accepted one: the paper's text. Default: no light is thrown away */
-                           DGB_SENDERS_STRONGEST, /* the one that sends more, as the authors' demo does */
-                           DGB_SENDERS_COUNT
+/* Which of the two surfaces under a tap send light (paper, section 3.2). */
+typedef enum dgb_senders {
+    DGB_SENDERS_BOTH = 0,  /* every accepted one: the paper's text. Default: no light is thrown away */
+    DGB_SENDERS_STRONGEST, /* the one that sends more, as the authors' demo does */
+    DGB_SENDERS_COUNT
 } dgb_senders;
 
-typedef enum dgb_normaliser { /* what divides the gathered sum */
-                              DGB_NORMALISER_BOUNDED =
-                                  0, /* E = pi sum(B cos) / max(sum(cos), M/2): never brighter than the brightest sender */
-                              DGB_NORMALISER_PAPER, /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
-                              DGB_NORMALISER_COUNT
+/* What divides the gathered sum of M senders. */
+typedef enum dgb_normaliser {
+    DGB_NORMALISER_BOUNDED = 0, /* E = pi sum(B cos) / max(sum(cos), M/2): at most pi times the brightest sender */
+    DGB_NORMALISER_PAPER,       /* E = 2 pi sum(B cos) / M, Equation 4: up to twice that */
+    DGB_NORMALISER_COUNT
 } dgb_normaliser;
 
-typedef enum dgb_estimator {                          /* what AO and RADIOSITY compute */
-                             DGB_ESTIMATOR_PAPER = 0, /* the paper's Equations 1 to 5 */
-                             DGB_ESTIMATOR_BITMASK, /* shares of the hemisphere that surfaces cover, nearer ones first */
-                             DGB_ESTIMATOR_COUNT
+/* What AO and RADIOSITY compute. */
+typedef enum dgb_estimator {
+    DGB_ESTIMATOR_PAPER = 0, /* the paper's Equations 1 to 5 */
+    DGB_ESTIMATOR_BITMASK,   /* shares of the hemisphere that surfaces cover, nearer ones first */
+    DGB_ESTIMATOR_COUNT
 } dgb_estimator;
 
-typedef enum dgb_thickness { /* what ends a surface of the first layer sooner than params.thickness and reflect_thickness */
-                             DGB_THICKNESS_LAYERS = 0, /* the second layer */
-                             DGB_THICKNESS_CONSTANT,   /* nothing */
-                             DGB_THICKNESS_BACK_FACES, /* the second layer, and the back face behind it: drawn once more */
-                             DGB_THICKNESS_COUNT
+/* What ends an object of the first layer sooner than params.thickness and reflect_thickness. */
+typedef enum dgb_thickness {
+    DGB_THICKNESS_LAYERS = 0, /* the second layer */
+    DGB_THICKNESS_CONSTANT,   /* nothing */
+    DGB_THICKNESS_BACK_FACES, /* the second layer, and the back face behind it: drawn once more */
+    DGB_THICKNESS_COUNT
 } dgb_thickness;
 
-typedef enum dgb_tracer { /* how the rays of REFLECT are marched; what they hit is the same, bit for bit */
-                          DGB_TRACER_LINEAR = 0,   /* every step is tested */
-                          DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
-                          DGB_TRACER_COUNT
+/* How the rays of REFLECT are marched; what they hit is the same, bit for bit. */
+typedef enum dgb_tracer {
+    DGB_TRACER_LINEAR = 0,   /* every step is tested */
+    DGB_TRACER_HIERARCHICAL, /* but those that depth ranges rule out: a texture and passes more */
+    DGB_TRACER_COUNT
 } dgb_tracer;
 
 typedef enum dgb_format {
@@ -506,72 +530,70 @@ typedef enum dgb_format {
 } dgb_format;
 
 /* Every texture there can be. X(enumerator, name): the name is that of the GLSL sampler without its dgb_ prefix. */
-#define DGB_SLOTS(X)                                                                                                     \
-    /* layers: 2D arrays, one image a layer */                                                                           \
-    X(DGB_DEPTH, "depth")                                                                                                \
-    X(DGB_ALBEDO, "albedo")                                                                                              \
-    X(DGB_NORMAL, "normal")                                                                                              \
-    X(DGB_RADIANCE, "radiance")                                                                                          \
-    X(DGB_VELOCITY, "velocity")                                                                                          \
-    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                                \
-    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                   \
-    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                     \
-    X(DGB_BACK, "back")           /* depth of the nearest back faces behind the first layer, a 2D texture */             \
-    /* the engine's own layers: 2D textures */                                                                           \
-    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                                \
-    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                                \
-    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                                                              \
-    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                                                              \
-    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                                                          \
-    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                                                          \
-    X(DGB_ENGINE_ALBEDO0, "engine_albedo0")                                                                              \
-    X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                              \
-    X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                          \
-    X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                          \
-    X(DGB_ENGINE_BACK, "engine_back")                                                                                    \
-    X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                          \
-    /* packed shading input, with MIP levels */                                                                          \
-    X(DGB_Z, "z")             /* camera z of both layers, b: of back faces (BACK_FACES); DGB_EMPTY_Z where empty */      \
-    X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                                 \
-    X(DGB_B0, "b0")           /* radiance of layer 0 */                                                                  \
-    X(DGB_B1, "b1")           /* radiance of layer 1 */                                                                  \
-    X(DGB_LAST_Z, "last_z")   /* z of last frame */                                                                      \
-    /* tiles of 16 x 16 pixels, regions of 8 x 8 tiles: depth ranges of both layers; whether the second layer matters */ \
-    X(DGB_TILE_DEPTHS, "tile_depths")                                                                                    \
-    X(DGB_REGION_DEPTHS, "region_depths")                                                                                \
-    X(DGB_TILES, "tiles")         /* r: to occlusion, g: to light, b: is there */                                        \
-    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                                \
-    /* results: raw, averaged over frames, after the horizontal filter, final */                                         \
-    X(DGB_AO_RAW, "ao_raw")                                                                                              \
-    X(DGB_BENT_RAW, "bent_raw")                                                                                          \
-    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                              \
-    X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                            \
-    X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */      \
-    X(DGB_BENT_MEAN, "bent_mean")                                                                                        \
-    X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                            \
-    X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                          \
-    X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                      \
-    X(DGB_LAST_BENT, "last_bent")                                                                                        \
-    X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                            \
-    X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                          \
-    /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */           \
-    X(DGB_HALF, "half")                                                                                                  \
-    X(DGB_HALF_BENT, "half_bent")                                                                                        \
-    X(DGB_HALF1, "half1")                                                                                                \
-    X(DGB_AO, "ao")     /* ambient visibility, 1 = open */                                                               \
-    X(DGB_BENT, "bent") /* rgb: mean of the open directions, world space, weighted by the cosine; a: the open share */   \
-    X(DGB_IRRADIANCE, "irradiance") /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                        \
-    X(DGB_IRRADIANCE1,                                                                                                   \
-      "irradiance1") /* of layer 1, which you cannot see: light for the next bounce, and for mirrors */                  \
-    /* depth ranges, with MIP levels: largest and smallest z of layer 0, of layer 1 */                                   \
-    X(DGB_RANGES, "ranges")                                                                                              \
-    X(DGB_REFLECTION_RAW, "reflection_raw")   /* GLOSSY: of one ray; of this frame */                                    \
-    X(DGB_LAST_REFLECTION, "last_reflection") /* GLOSSY and TEMPORAL: of last frame, and the frames averaged / 255 */    \
-    X(DGB_REFLECTION_FRAMES, "reflection_frames")                                                                        \
-    X(DGB_LAST_REFLECTION_FRAMES, "last_reflection_frames")                                                              \
-    X(DGB_REFLECTION,                                                                                                    \
-      "reflection") /* rgb: radiance that the mirror or the lobe shows; a: confidence, 0 where no ray hits anything */   \
-    /* r: layer hit + 1, 0 for none; g: length of the ray, m; GLOSSY: b, a: its direction in camera space, octahedral */ \
+#define DGB_SLOTS(X)                                                                                                  \
+    /* layers: 2D arrays, one image a layer */                                                                        \
+    X(DGB_DEPTH, "depth")                                                                                             \
+    X(DGB_ALBEDO, "albedo")                                                                                           \
+    X(DGB_NORMAL, "normal")                                                                                           \
+    X(DGB_RADIANCE, "radiance")                                                                                       \
+    X(DGB_VELOCITY, "velocity")                                                                                       \
+    X(DGB_ORACLE, "oracle")       /* the depth layers that the keep test compares with */                             \
+    X(DGB_PREDICTED, "predicted") /* depth layers of the next pose (PREDICT, DELAY) */                                \
+    X(DGB_KEY, "key")             /* depth bits of deeper layers (IMAGE emission) */                                  \
+    X(DGB_BACK, "back")           /* depth of the nearest back faces behind the first layer, a 2D texture */          \
+    /* the engine's own layers: 2D textures */                                                                        \
+    X(DGB_ENGINE_DEPTH0, "engine_depth0")                                                                             \
+    X(DGB_ENGINE_DEPTH1, "engine_depth1")                                                                             \
+    X(DGB_ENGINE_NORMAL0, "engine_normal0")                                                                           \
+    X(DGB_ENGINE_NORMAL1, "engine_normal1")                                                                           \
+    X(DGB_ENGINE_RADIANCE0, "engine_radiance0")                                                                       \
+    X(DGB_ENGINE_RADIANCE1, "engine_radiance1")                                                                       \
+    X(DGB_ENGINE_ALBEDO0, "engine_albedo0")                                                                           \
+    X(DGB_ENGINE_ALBEDO1, "engine_albedo1")                                                                           \
+    X(DGB_ENGINE_VELOCITY0, "engine_velocity0")                                                                       \
+    X(DGB_ENGINE_VELOCITY1, "engine_velocity1")                                                                       \
+    X(DGB_ENGINE_BACK, "engine_back")                                                                                 \
+    X(DGB_ENGINE_ROUGHNESS, "engine_roughness")                                                                       \
+    /* packed shading input, with MIP levels */                                                                       \
+    X(DGB_Z, "z")             /* camera z of both layers, b: of back faces (BACK_FACES); DGB_EMPTY_Z where empty */   \
+    X(DGB_NORMALS, "normals") /* Oct16 of both layers */                                                              \
+    X(DGB_B0, "b0")           /* radiance of layer 0 */                                                               \
+    X(DGB_B1, "b1")           /* radiance of layer 1 */                                                               \
+    X(DGB_LAST_Z, "last_z")   /* z of last frame */                                                                   \
+    /* tiles of 16 x 16 pixels, regions of 8 x 8 tiles: ranges of depth; whether the second layer matters */          \
+    X(DGB_TILE_DEPTHS, "tile_depths")                                                                                 \
+    X(DGB_REGION_DEPTHS, "region_depths")                                                                             \
+    X(DGB_TILES, "tiles")         /* r: to occlusion, g: to light, b: is there */                                     \
+    X(DGB_ROTATIONS, "rotations") /* 256 x 1: cosine and sine of every spiral rotation */                             \
+    /* results: raw, averaged over frames, after the horizontal filter, final */                                      \
+    X(DGB_AO_RAW, "ao_raw")                                                                                           \
+    X(DGB_BENT_RAW, "bent_raw")                                                                                       \
+    X(DGB_IRRADIANCE_RAW, "irradiance_raw")                                                                           \
+    X(DGB_IRRADIANCE1_RAW, "irradiance1_raw")                                                                         \
+    X(DGB_FRAMES, "frames") /* ambient visibility, frames averaged: of it, of layer 0's and layer 1's irradiance */   \
+    X(DGB_BENT_MEAN, "bent_mean")                                                                                     \
+    X(DGB_IRRADIANCE_MEAN, "irradiance_mean")                                                                         \
+    X(DGB_IRRADIANCE1_MEAN, "irradiance1_mean")                                                                       \
+    X(DGB_LAST_FRAMES, "last_frames") /* the three of last frame */                                                   \
+    X(DGB_LAST_BENT, "last_bent")                                                                                     \
+    X(DGB_LAST_IRRADIANCE, "last_irradiance")                                                                         \
+    X(DGB_LAST_IRRADIANCE1, "last_irradiance1")                                                                       \
+    /* a layer's texel: bits of z; Oct16 below visibility * 65535; irradiance and confidence, 16-bit floats */        \
+    X(DGB_HALF, "half")                                                                                               \
+    X(DGB_HALF_BENT, "half_bent")                                                                                     \
+    X(DGB_HALF1, "half1")                                                                                             \
+    X(DGB_AO, "ao")     /* ambient visibility, 1 = open */                                                            \
+    X(DGB_BENT, "bent") /* rgb: cosine-weighted mean of the open directions, world space; a: the open share */        \
+    X(DGB_IRRADIANCE, "irradiance")   /* rgb: irradiance of layer 0, W/m2; a: confidence, 0 to 1 */                   \
+    X(DGB_IRRADIANCE1, "irradiance1") /* of layer 1, unseen: for the next bounce and for mirrors */                   \
+    /* depth ranges, with MIP levels: largest and smallest z of layer 0, of layer 1 */                                \
+    X(DGB_RANGES, "ranges")                                                                                           \
+    X(DGB_REFLECTION_RAW, "reflection_raw")   /* GLOSSY: of one ray; of this frame */                                 \
+    X(DGB_LAST_REFLECTION, "last_reflection") /* GLOSSY and TEMPORAL: of last frame, and the frames averaged / 255 */ \
+    X(DGB_REFLECTION_FRAMES, "reflection_frames")                                                                     \
+    X(DGB_LAST_REFLECTION_FRAMES, "last_reflection_frames")                                                           \
+    X(DGB_REFLECTION, "reflection") /* rgb: radiance in the mirror or lobe; a: confidence, 0 where nothing is hit */  \
+    /* r: layer hit + 1, 0 for none; g: length of the ray, m; GLOSSY: ba: its direction, camera space, octahedral */  \
     X(DGB_REFLECTION_HIT, "reflection_hit")
 
 typedef enum dgb_slot {
@@ -611,7 +633,7 @@ typedef struct dgb_program {
     uint64_t id; /* the backend's own; 0 = none */
 } dgb_program;
 
-/* --- mathematics: pure functions, each with a GLSL twin of the same name in shaders_embedded/00_common.glsl -------- */
+/* --- mathematics: pure functions, each with a GLSL twin of the same name in shaders_embedded/00_common.glsl ------- */
 
 /* Octahedral normal in two snorm bytes, stored biased: byte = q + 127, q in -127..127; x is the low byte. Exact on the
    six axes. `n` need not have unit length. Zero, NaN, infinite, or |x|+|y|+|z| outside 1e-30..1e30: +Z.
@@ -631,6 +653,10 @@ DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
 /* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
 DGB_API uint16_t dgb_half_from_float(float x);
 DGB_API float dgb_half_to_float(uint16_t half);
+/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is stored. Stores
+   that always go the same way add up: with a small share of each frame, an average stays where a frame moves it less than it
+   rounds. What is a half but for a rounding stays one for every u. */
+DGB_API float dgb_dithered(float x, float u);
 
 /* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in
    the polar unit square (paper, Listing 3, which prints n = 1..98; tests/unit regenerates 1..256 from the measure).
@@ -641,18 +667,20 @@ DGB_API int dgb_spiral_turns(int n);
 DGB_API void dgb_spiral_tap(int i, int n, float tap[3]);
 /* Rotation `index` modulo 256 of a whole turn: {cos, sin}. The table that the shaders read. */
 DGB_API void dgb_rotation(int index, float cos_sin[2]);
-/* Which of the 256 rotations a pixel takes in a frame: a hash of the pixel, and from frame to frame 159 / 256 of a turn more,
-   near the golden section, so that the frames of an average share out the circle. Integers only: the same everywhere. */
+/* Which of the 256 rotations a pixel takes in a frame: a hash of the pixel, and from frame to frame 159 / 256 of a turn
+   more, near the golden section, so that the frames of an average share out the circle. Integers only: the same
+   everywhere. */
 DGB_API int dgb_pixel_hash(int x, int y, int frame);
 /* Two numbers of a pixel and frame for sampling a square, in 0..1, neither 0 nor 1: the R2 sequence (Roberts 2018) over
    the frames from a hash of the pixel. Integers until the last step: the same everywhere. */
 DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]);
-/* Place of a pixel along a Hilbert curve through a square of 64 x 64 pixels, 0..4095, the same in every such square: pixels that
-   are near along the curve are near in the image, and most that are near in the image are near along the curve. */
+/* Place of a pixel along a Hilbert curve through a square of 64 x 64 pixels, 0..4095, the same in every such square:
+   pixels that are near along the curve are near in the image, and most that are near in the image are near along the
+   curve. */
 DGB_API int dgb_hilbert_index(int x, int y);
-/* Four numbers of a pixel and frame, in 0..1, neither 0 nor 1, which neighbours and frames share out among them: sequences along
-   the Hilbert curve, 288 places farther from frame to frame. The first two together are the R2 sequence (Roberts 2018), the
-   others two of its kin of four dimensions. Integers until the last step: the same everywhere. */
+/* Four numbers of a pixel and frame, in 0..1, neither 0 nor 1, which neighbours and frames share out among them:
+   sequences along the Hilbert curve, 288 places farther from frame to frame. The first two together are the R2 sequence
+   (Roberts 2018), the others two of its kin of four dimensions. Integers until the last step: the same everywhere. */
 DGB_API void dgb_pixel_quad(int x, int y, int frame, float u[4]);
 
 /* floor(log2(h / 2^log2_q)) clamped to min_level..max_level, from the exponent bits of h (pixels). */
@@ -680,15 +708,17 @@ DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width,
    size / (size + 2 guard), then the jitter. A buffer of less than a pixel counts as one pixel. */
 DGB_API void dgb_widen_projection(const float projection[16], int width, int height, int guard_band,
                                   const float jitter[2], float widened[16]);
-/* The depth as a fixed-point buffer of `codes` + 1 values holds it (65535 for D16, 16777215 for D24); 0 or less: a float
-   buffer, which holds it as it is. Both sides of a comparison go through this, so that equal codes are equal numbers. */
+/* The depth as a fixed-point buffer of `codes` + 1 values holds it (65535 for D16, 16777215 for D24); 0 or less: a
+   float buffer, which holds it as it is. Both sides of a comparison go through this, so that equal codes are equal
+   numbers. */
 DGB_API float dgb_depth_code(float depth, float codes);
 /* Camera z, metres, of a depth-buffer value 0..1. The empty depth, NaN, and what lies beyond 1e15 m or not in front of
    the eye (perspective): 0. */
 DGB_API float dgb_linear_z(float depth, const dgb_camera* camera);
-/* Distance, m, up to which neighbouring depths of the format (0: D32F) are at most a separation apart, to 0.1 %. Up to half of it
-   surfaces twice the separation apart are surely in two layers; farther away layers are told apart where depths are, as by plain
-   peeling, and nowhere does a deeper layer come out in front. DGB_MAX_DISTANCE: everywhere; 0: nowhere, or separation NaN. */
+/* Distance, m, up to which the format (0: D32F) resolves a separation: neighbouring depths are at most that far apart,
+   to 0.1 %. Up to half of it, surfaces twice the separation apart are surely in two layers; beyond it, layers are told
+   apart where their depths differ, as by plain peeling. Nowhere does a deeper layer come out in front.
+   DGB_MAX_DISTANCE: everywhere; 0: nowhere, or the separation is NaN. */
 DGB_API float dgb_separation_limit(float separation, dgb_format depth_format, const dgb_camera* camera);
 /* Camera-space point at a pixel position (centres at +0.5) and camera z. */
 DGB_API void dgb_position(float pixel_x, float pixel_y, float z, const dgb_camera* camera, float point[3]);
@@ -704,9 +734,9 @@ DGB_API bool dgb_keep_test(float z, float z_front, float separation);
 DGB_API float dgb_ao_term(const float v[3], const float n[3], float inv_r2, float beta, float epsilon);
 /* Ambient visibility from the sum of the taps' terms: max(0, 1 - sqrt(pi / count * sum)). Paper, Equation 1. */
 DGB_API float dgb_ambient_visibility(float sum, int count);
-/* Cosine of the light that a surface at offset v with normal n_y sends to a point with normal n_x; 0 when it sends none:
-   farther than the radius, behind the receiver or in its plane (DGB_MIN_COSINE: there rounding would decide what counts),
-   or (normal_test) facing away. Paper, Equations 4 and 5. */
+/* Cosine of the light that a surface at offset v with normal n_y sends to a point with normal n_x; 0 when it sends
+   none: farther than the radius, behind the receiver or in its plane (DGB_MIN_COSINE: there rounding would decide what
+   counts), or (normal_test) facing away. Paper, Equations 4 and 5. */
 DGB_API float dgb_gather_term(const float v[3], const float n_x[3], const float n_y[3], float r2, bool normal_test);
 /* Irradiance scale: pi / max(sum_cos * k, count / 2), 0 for count = 0; k = 1 bounded, 0 the paper's Equation 4. */
 DGB_API float dgb_gather_scale(float sum_cos, int count, float k);
@@ -718,47 +748,52 @@ DGB_API float dgb_boost(const float albedo[3], float unsaturated, float saturate
 DGB_API float dgb_bilateral_weight(const float n[3], const float n2[3], const float dq[3], float normal_sharpness,
                                    float plane_sharpness);
 
-/* The visibility bitmask (Therrien et al. 2023); twins in shaders_embedded/37_sectors.glsl. Directions from a point are looked at
-   in slices: half planes that begin at the line of sight and extend `along` a unit vector across it. A direction of a slice is
-   its parts towards the eye and along; its angle is 0 towards the eye, pi away from it. */
+/* The visibility bitmask (Therrien et al. 2023); twins in shaders_embedded/37_sectors.glsl. Directions from a point are
+   looked at in slices: half planes that begin at the line of sight and extend `along` a unit vector across it. A
+   direction of a slice is its parts towards the eye and along; its angle is 0 towards the eye, pi away from it. */
 
 /* asin(x) by a polynomial (Abramowitz and Stegun 4.4.45): within 6.8e-5. Beyond +-1: that of +-1. NaN: NaN. */
 DGB_API float dgb_arc_sine(float x);
-/* The slice of the direction n + s: s on the unit sphere, evenly, gives directions of the cosine-weighted hemisphere about the
-   unit normal n, and so slices by the light that arrives in them. v: unit, towards the eye. Without one, +X. */
+/* The slice of the direction n + s: s on the unit sphere, evenly, gives directions of the cosine-weighted hemisphere
+   about the unit normal n, and so slices by the light that arrives in them. v: unit, towards the eye. +X where the
+   direction is v's own, or not finite. */
 DGB_API void dgb_slice_along(const float n[3], const float v[3], const float s[3], float along[3]);
-/* What the shares of a slice depend on: cos g, sin g, g, 1 / (cos g + (g + pi/2) sin g), g the angle, -pi/2..pi/2, from the eye to
-   the normal's projection on the slice's plane. A normal that faces away from the eye counts as at right angles to it. */
+/* What the shares of a slice depend on: cos g, sin g, g, 1 / (cos g + (g + pi/2) sin g), g the angle, -pi/2..pi/2, from
+   the eye to the normal's projection on the slice's plane. A normal that faces away from the eye counts as at right
+   angles to it. */
 DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3], float slice[4]);
-/* Share of a slice's cosine-weighted light that arrives between the eye and a direction q {towards the eye, along}, of any
-   length: 0 at the eye, 1 at the surface's horizon, below it, on the other side of the line of sight, and where something is not
-   finite. Within 4.4e-3, a seventh of a sector, for g from -85 degrees on: narrower slices hold next to nothing. */
+/* Share of a slice's cosine-weighted light that arrives between the eye and a direction q {towards the eye, along}, of
+   any length: 0 at the eye, 1 at the surface's horizon, below it, on the other side of the line of sight, and where
+   something is not finite. Within 4.4e-3, a seventh of a sector, for g from -85 degrees on: narrower slices hold next
+   to nothing. */
 DGB_API float dgb_slice_share(const float slice[4], const float q[2]);
-/* The sectors, of 32 equal shares, from one share to another, both 0..1. u in 0..1, the same for all that are joined or compared,
-   rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
+/* The sectors, of 32 equal shares, from one share to another, both 0..1. u in 0..1, the same for all that are joined or
+   compared, rounds the ends: on average over u the number of sectors in any union is exact. from >= to: none. */
 DGB_API uint32_t dgb_sectors(float from, float to, float u);
 DGB_API int dgb_sector_count(uint32_t sectors);
 /* The angle, from the eye on, up to which a slice holds a share 0..1 of its light. Within 1e-3; the horizon for 1. */
 DGB_API float dgb_slice_angle(const float slice[4], float share);
-/* Sum {towards the eye, along} of a slice's directions from the eye up to an angle, weighted by the cosine of the normal so that the
-   weights of all, up to the horizon, add up to 1. */
+/* Sum {towards the eye, along} of a slice's directions from the eye up to an angle, weighted by the cosine of the
+   normal so that the weights of all, up to the horizon, add up to 1. */
 DGB_API void dgb_slice_sum(const float slice[4], float angle, float sum[2]);
-/* The same of the directions in some sectors. Those of all cosine-weighted directions about a normal n, over slices of all, have
-   2/3 n for their mean. */
+/* The same of the directions in some sectors. Those of all cosine-weighted directions about a normal n, over slices of
+   all, have 2/3 n for their mean. */
 DGB_API void dgb_sectors_mean(const float slice[4], uint32_t sectors, float sum[2]);
-/* Cosine of the half angle of the cone that looks as open as a texel of DGB_BENT: of cosine-weighted directions about its axis, the
-   mean is as long. 0 where a hemisphere's is shorter, 1 of a single direction, and where nothing is open. */
+/* Cosine of the half angle of the cone that looks as open as a texel of DGB_BENT: of cosine-weighted directions about
+   its axis, the mean is as long. 0 where it is shorter than a hemisphere's, 2/3; 1 for a single direction, and where
+   nothing is open. */
 DGB_API float dgb_bent_cosine(const float bent[4]);
 
-/* Width of the lobe of a perceptual roughness: its square, 0 below DGB_MIN_ROUGHNESS (a mirror) and for NaN, at most 1. */
+/* Width alpha of the lobe of a perceptual roughness: its square, at most 1; 0, a mirror, below DGB_MIN_ROUGHNESS and
+   for NaN. */
 DGB_API float dgb_ggx_alpha(float roughness);
-/* One of the microfacets that a viewer sees on a surface with unit normal n: GGX distribution of visible normals of width
-   alpha, sampled with u in 0..1 (Heitz 2018, as the spherical cap of Dupuy and Benyoub 2023). v: unit, towards the eye.
-   dot(v, h) >= 0 always; h = n for alpha <= 0; where v is behind the surface, or v, n or alpha is not finite, h = v or
-   +Z. */
+/* One of the microfacets that a viewer sees on a surface with unit normal n: GGX distribution of visible normals of
+   width alpha, sampled with u in 0..1 (Heitz 2018, as the spherical cap of Dupuy and Benyoub 2023). v: unit, towards
+   the eye. dot(v, h) >= 0 always; h = n for alpha <= 0; where v is behind the surface, or v, n or alpha is not finite,
+   h = v or +Z. */
 DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, const float u[2], float h[3]);
-/* Density (1/sr) of the unit direction l in which such microfacets mirror v: D(h) G1(v) / (4 n.v), h halfway. Integrates to 1
-   over all directions, those below the surface included. alpha <= 0, not finite, or l = -v: 0. */
+/* Density (1/sr) of the unit direction l in which such microfacets mirror v: D(h) G1(v) / (4 n.v), h halfway.
+   Integrates to 1 over all directions, those below the surface included. alpha <= 0, not finite, or l = -v: 0. */
 DGB_API float dgb_ggx_density(const float v[3], const float n[3], const float l[3], float alpha);
 
 /* --- parameters of a frame ---------------------------------------------------------------------------------------- */
@@ -783,10 +818,9 @@ typedef struct dgb_params { /* 0 means 0: start from dgb_preset */
     int slices;      /* BITMASK: planes through the line of sight that share the taps, half to each side; 1..8 */
     float thickness; /* BITMASK: how far behind a surface its object hides at most (desc.thickness), m */
 
-    float bounce_damping; /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
-    float
-        boost_unsaturated; /* factors of that light for grey and for fully saturated surfaces; 1, 1 conserves energy */
-    float boost_saturated;
+    float bounce_damping;    /* delta: share of last frame's light that is sent on, 0 (one bounce) to 1 */
+    float boost_unsaturated; /* factor of that light for grey surfaces, 1: energy is conserved; */
+    float boost_saturated;   /* and for fully saturated ones */
 
     float history_weight;    /* alpha: weight of history in the average, 0 (off) to 0.999 */
     float history_tolerance; /* history must lie within this share of its distance from where the surface was, */
@@ -821,18 +855,19 @@ typedef enum dgb_preset_id {
     DGB_PRESET_COUNT
 } dgb_preset_id;
 
-/* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): scale these
-   three to your scene.
+/* The paper's Table 2. Out of range: BALANCED. Separation 0.5 m, radii 7.4 m (light) and 1 m (occlusion): set these
+   three to your scene; where its unit is not the metre, scale history_floor, thickness, reflect_distance and
+   reflect_thickness as well.
                      N    filter taps   normal test   min level   guard band shaded
        PERFORMANCE   13        9            no            3              10 %
        BALANCED      14       11            yes           2              50 %
        QUALITY       30       13            yes           0              80 %                                        */
 DGB_API dgb_params dgb_preset(dgb_preset_id id);
-/* What gave the least error for a cost, by measurement: the parameters of BALANCED, with the taps, MIP levels, filter and
-   steps of the settings that nothing cheaper beat in the sweep (`make budget`; error against ray tracing, scenes averaged).
-   budget: time to shade two layers as a ratio to BALANCED's, on the machine of the sweep, for each of `effects`
-   (DGB_EFFECT_*); about 0.3 to 3, below and above the cheapest and the most exact. NaN, or 0 and less: the cheapest. With
-   occlusion and light both, the filter is the light's. */
+/* What gave the least error for a cost, by measurement: the parameters of BALANCED, with the taps, MIP levels, filter
+   and steps of the settings that nothing cheaper beat in the sweep (`make budget`; error against ray tracing, scenes
+   averaged). budget: time to shade two layers as a ratio to BALANCED's, on the machine of the sweep, for each of
+   `effects` (DGB_EFFECT_*). The table covers about 0.3 to 3: less, or NaN, gives the cheapest, more the most exact.
+   With occlusion and light both, the filter is the light's. */
 DGB_API dgb_params dgb_preset_for(float budget, uint32_t effects);
 
 /* --- backend ------------------------------------------------------------------------------------------------------ */
@@ -909,7 +944,7 @@ typedef struct dgb_backend {
     void (*marker)(void* user, dgb_pass_id pass, bool begin); /* optional: around all passes of one id */
 } dgb_backend;
 
-/* --- uniforms: std140, one struct a pass --------------------------------------------------------------------------- */
+/* --- uniforms: std140, one struct a pass -------------------------------------------------------------------------- */
 
 typedef struct dgb_draw_uniforms { /* for the keep test in the engine's shaders */
     dgb_camera camera, previous;   /* previous: of the frame that the oracle holds */
@@ -1048,7 +1083,7 @@ typedef struct dgb_plan_input {
 typedef struct dgb_plan_pass {
     dgb_pass_id id;
     int level;   /* MIP, RANGE: level written. TILES: step. RECONSTRUCT: 0 along x, 1 along y */
-    int program; /* index into programs; -1 for LAYERS */
+    int program; /* index into programs; -1 where your draw callback draws: LAYERS, BACK, PREDICT */
     int input_count, output_count;
     dgb_plan_input inputs[DGB_MAX_INPUTS];
     dgb_slot outputs[DGB_MAX_TARGETS];
@@ -1095,8 +1130,8 @@ typedef struct dgb_draw {         /* what the engine's draw callback is told */
     float previous_view[16], previous_projection[16];
 } dgb_draw;
 
-/* Draws every opaque object once, with programs that contain the snippets. The layered target is bound, its viewport set,
-   colour and depth writes on, the depth test set. May change any device state, but draws into the bound target. */
+/* Draws every opaque object once, with programs that contain the snippets. The layered target is bound, its viewport
+   set, colour and depth writes on, the depth test set. May change any device state, but draws into the bound target. */
 typedef void (*dgb_draw_fn)(void* user, const dgb_draw* draw);
 
 typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D textures of the plan's buffer size */
@@ -1107,8 +1142,7 @@ typedef struct dgb_layers { /* the engine's own layers (DGB_SOURCE_ENGINE): 2D t
     dgb_texture velocity[DGB_MAX_SHADED_LAYERS]; /* r, g: pixels moved since last frame, jitter included; b, if there is
                                                     one: metres of camera z by which the object itself moved. Read for
                                                     more than one bounce and for the temporal filter only */
-    dgb_texture
-        back; /* depth-buffer values of the nearest back faces behind the first layer; read for BACK_FACES only */
+    dgb_texture back;      /* depth of the nearest back faces behind the first layer; read for BACK_FACES only */
     dgb_texture roughness; /* r: perceptual roughness of the first layer, 0 to 1; read for GLOSSY only */
 } dgb_layers;
 
@@ -1149,18 +1183,18 @@ DGB_API void dgb_shutdown(dgb_context* context);
 
 /* Builds the layers: calls `draw` once (single pass) or once a layer, and again for the depth that PREDICT, DELAY and
    BACK_FACES want; dgb_draw says what each call is for. All of params is checked, separation alone is used.
-   DGB_INVALID, and nothing is drawn: null, a wrong matrix or parameter, a context for the engine's own layers (the log says
-   which). DGB_OUT_OF_MEMORY, DGB_DEVICE: the device failed, the layers are lost. */
+   DGB_INVALID, and nothing is drawn: null, a wrong matrix or parameter, a context for the engine's own layers (the log
+   says which). DGB_OUT_OF_MEMORY, DGB_DEVICE: the device failed, the layers are lost. */
 DGB_API dgb_result dgb_build(dgb_context* context, const dgb_view* view, const dgb_params* params, dgb_draw_fn draw,
                              void* user);
-/* Instead of dgb_build: takes the engine's own layers for every dgb_shade until the next call. The textures must live as long;
-   they are read, never written. DGB_INVALID, and nothing is taken: null, a wrong matrix, a missing texture that the plan reads, a
-   context that builds its own. */
+/* Instead of dgb_build: takes the engine's own layers for every dgb_shade until the next call. The textures must live
+   as long; they are read, never written. DGB_INVALID, and nothing is taken: null, a wrong matrix, a missing texture
+   that the plan reads, a context that builds its own. */
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers);
-/* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. Another call without new layers
-   is another frame in which nothing has moved. Two dgb_build without a call between them lose the history, whose velocities
-   reach back one frame. DGB_INVALID, and nothing runs: null, a wrong parameter, no layers. DGB_OUT_OF_MEMORY, DGB_DEVICE: the
-   device failed, history and results are lost. */
+/* Runs every pass after LAYERS. Radiance must have been written by now if radiosity is on. Another call without new
+   layers is another frame in which nothing has moved. Two dgb_build without a call between them lose the history, whose
+   velocities reach back one frame. DGB_INVALID, and nothing runs: null, a wrong parameter, no layers.
+   DGB_OUT_OF_MEMORY, DGB_DEVICE: the device failed, history and results are lost. */
 DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params);
 
 /* A texture of the plan, id 0 if the plan has none, for a null or dead context, or a slot out of range. Valid until
@@ -1206,6 +1240,7 @@ extern "C" {
 /* >> numbers: every test of a float is a test of its bits, so that -ffast-math cannot remove it */
 
 #define DGBI_PI 3.14159265358979323846
+#define DGBI_COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
 static uint32_t dgbi_bits(float x) {
     uint32_t u;
@@ -1343,6 +1378,14 @@ DGB_API float dgb_half_to_float(uint16_t half) {
     return half >> 15 ? -size : size;
 }
 
+DGB_API float dgb_dithered(float x, float u) {
+    const float share = dgbi_is_finite(u) && u > 0.0f ? (u < 1.0f ? u : 1.0f) : 0.0f;
+    const uint32_t below = 2u + (uint32_t)(share * 8188.0f); /* of the 8192 floats from a half to the next */
+    if (!dgbi_is_finite(x)) return x;
+    if ((dgbi_bits(x) & 0x7fffffffu) >= 0x38800000u) return dgbi_from_bits((dgbi_bits(x) + below) & 0xffffe000u);
+    return floorf(x * 16777216.0f + (float)below / 8192.0f) / 16777216.0f; /* below 2^-14 halves are 2^-24 apart */
+}
+
 /* >> taps: spiral, rotation, MIP level */
 
 /* Minimisers of the discrepancy for n = 1..256; the first 98 are the paper's Listing 3. */
@@ -1398,8 +1441,8 @@ DGB_API void dgb_pixel_pair(int x, int y, int frame, float u[2]) {
     u[1] = ((float)((g + (uint32_t)frame * 2447445414u) >> 9) + 0.5f) / 8388608.0f;
 }
 
-/* From the largest quarter to the smallest: which one the pixel is in, 0 to 3 along the curve, two bits of the index each; the
-   curve through the first and the last quarter is turned. */
+/* From the largest quarter to the smallest: which one the pixel is in, 0 to 3 along the curve, two bits of the index
+   each; the curve through the first and the last quarter is turned. */
 DGB_API int dgb_hilbert_index(int x, int y) {
     uint32_t a = (uint32_t)x, b = (uint32_t)y, index = 0u;
     int bit;
@@ -1461,7 +1504,8 @@ static dgb_log_item dgbi_check_projection(const float p[16], bool reversed) {
     return dgbi_depth_grows(p) == reversed ? DGB_LOG_DIRECTION : DGB_LOG_NONE;
 }
 
-/* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel and z. */
+/* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel 
+   and z. */
 static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camera* camera) {
     const double scale = 2.0 / size, p_x = p[axis * 5], p_z = p[8 + axis], p_1 = p[12 + axis], w_z = p[11], w_1 = p[15];
     camera->position_z[axis] = (float)(scale * w_z / p_x);
@@ -1674,8 +1718,9 @@ DGB_API void dgb_slice(const float n[3], const float v[3], const float along[3],
     slice[3] = 1.0f / (whole > 1e-5f ? whole : 1e-5f);
 }
 
-/* The integral of cos(t - g) sin t from 0 to an angle, times 2: with its sine s and cosine c, s^2 cos g + (angle - s c) sin g.
-   x: 1 - c, the angle's versine. The polynomial makes the largest error of a share as small as four coefficients can. */
+/* The integral of cos(t - g) sin t from 0 to an angle, times 2: with its sine s and cosine c, s^2 cos g + (angle - s c)
+   sin g. x: 1 - c, the angle's versine. The polynomial makes the largest error of a share as small as four coefficients
+   can. */
 static float dgbi_slice_part(const float slice[4], float x) {
     const float segment = sqrtf(x) * (1.8772000f + x * (-0.3058190f + x * (0.0586256f - 0.0473906f * x)));
     return x * (slice[0] * (2.0f - x) + slice[1] * segment);
@@ -1791,10 +1836,10 @@ DGB_API void dgb_ggx_normal(const float v[3], const float n[3], float alpha, con
     float stretched[3], s[3], t[3], m[3], height, radius;
     bool valid;
     const double turn = 2.0 * DGBI_PI * (double)u[0];
-    const float c = dgbi_is_finite(u[0]) ? (float)cos(turn) : 0.0f, d = dgbi_is_finite(u[0]) ? (float)sin(turn) : 0.0f;
+    const float c = (float)cos(turn), d = (float)sin(turn);
     int i;
     valid = dgbi_stretch(v, n, alpha, dgbi_max0(dgbi_dot(v, n)), stretched);
-    /* the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole down to its horizon */
+    /* the cap of the unit sphere that the stretched viewer sees, uniformly: about n, from the pole to its horizon */
     height = 1.0f - u[1] * (1.0f + dgbi_dot(stretched, n));
     radius = sqrtf(dgbi_max0(1.0f - height * height));
     dgbi_frame_of(n, s, t);
@@ -1915,8 +1960,6 @@ static const dgbi_mirror_budget dgbi_reflect_budget[] = {
 };
 /* budget: end */
 /* clang-format on */
-
-#define DGBI_COUNT(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
 /* The last row that costs no more; the first if all do. */
 static const dgbi_budget* dgbi_afford(const dgbi_budget* rows, int count, float budget) {
@@ -2150,7 +2193,7 @@ static int dgbi_range_levels(const dgb_plan* plan) {
     return dgb_mip_levels(longer / DGB_CELL_SIZE, longer / DGB_CELL_SIZE);
 }
 
-/* Width and height of a texture of the plan. Ranges are for whole cells of their coarsest level, so that none is odd. */
+/* Width and height of a texture of the plan. Ranges are for whole cells of their coarsest level: none is odd. */
 static void dgbi_texture_size(const dgb_plan* plan, dgb_slot slot, int size[2]) {
     const int cells = slot == DGB_RANGES ? 1 << (dgbi_range_levels(plan) - 1) : 1;
     const int unit = slot == DGB_TILE_DEPTHS || slot == DGB_TILES ? DGB_TILE_SIZE
@@ -2231,7 +2274,7 @@ static void dgbi_plan_resolve(const dgb_desc* d, dgb_plan* plan) {
     dgbi_add_output(pass, DGB_DEPTH);
 }
 
-/* Depth of every layer but the last, of the next pose: the deeper ones are themselves kept behind this pose's oracle. */
+/* Depth of every layer but the last, of the next pose; the deeper ones are kept behind this pose's oracle. */
 static void dgbi_plan_predict(const dgb_desc* d, dgb_plan* plan) {
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_PREDICT, 0, -1);
     dgbi_add_texture(plan, DGB_PREDICTED, d->depth_format, d->layers - 1, 1);
@@ -2276,11 +2319,11 @@ static void dgbi_plan_layers(const dgb_desc* d, dgb_plan* plan) {
                   {DGB_TARGET_RADIANCE, DGB_RADIANCE, DGB_FORMAT_R11G11B10F},
                   {DGB_TARGET_VELOCITY, DGB_VELOCITY, DGB_FORMAT_RG16F}};
     dgb_plan_pass* pass;
-    size_t i;
+    int i;
     if (d->oracle == DGB_ORACLE_WARP && d->layers > 1) dgbi_plan_warp(plan);
     pass = dgbi_add_pass(plan, DGB_PASS_LAYERS, 0, -1);
     dgbi_add_texture(plan, DGB_DEPTH, d->depth_format, d->layers, 1);
-    for (i = 0; i < sizeof colors / sizeof colors[0]; ++i)
+    for (i = 0; i < DGBI_COUNT(colors); ++i)
         if (d->targets & colors[i].target) {
             dgbi_add_texture(plan, colors[i].slot, colors[i].format, d->layers, 1);
             dgbi_add_output(pass, colors[i].slot);
@@ -2319,14 +2362,14 @@ static dgbi_wants dgbi_wants_of(const dgb_desc* d) {
     return w;
 }
 
-/* One kind of texture of the layers: an array of the library's, or up to two of the engine's own. */
-static void dgbi_add_source(const dgb_desc* d, dgb_slot built, dgb_slot engine0, dgb_plan_pass* pass) {
+/* What is read of the first `layers` layers: the library's texture, or the engine's own, one a layer. */
+static void dgbi_add_source(const dgb_desc* d, dgb_slot built, dgb_slot engine0, int layers, dgb_plan_pass* pass) {
     if (d->source == DGB_SOURCE_BUILD) {
         dgbi_add_input(pass, built);
         return;
     }
     dgbi_add_input(pass, engine0);
-    if (d->layers > 1) dgbi_add_input(pass, (dgb_slot)(engine0 + 1));
+    if (layers > 1) dgbi_add_input(pass, (dgb_slot)(engine0 + 1));
 }
 
 static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radiance, int layers) {
@@ -2337,14 +2380,14 @@ static void dgbi_add_packed_outputs(dgb_plan_pass* pass, bool normals, bool radi
 }
 
 static void dgbi_plan_pack_inputs(const dgb_desc* d, const dgbi_wants* w, dgb_plan_pass* pass) {
-    dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, pass);
-    if (w->back) dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_BACK : DGB_ENGINE_BACK);
+    dgbi_add_source(d, DGB_DEPTH, DGB_ENGINE_DEPTH0, w->layers, pass);
+    if (w->back) dgbi_add_source(d, DGB_BACK, DGB_ENGINE_BACK, 1, pass);
     if (d->source == DGB_SOURCE_BUILD || d->normals != DGB_NORMALS_FROM_DEPTH)
-        dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, pass);
-    if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, pass);
+        dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_NORMAL0, w->layers, pass);
+    if (w->radiance) dgbi_add_source(d, DGB_RADIANCE, DGB_ENGINE_RADIANCE0, w->layers, pass);
     if (!w->bounces) return;
-    dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
-    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
+    dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, w->layers, pass);
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, w->layers, pass);
     dgbi_add_input(pass, DGB_LAST_Z);
     dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE, DGB_IRRADIANCE); /* not written again until the reconstruction */
     if (w->deep) dgbi_add_input_as(pass, DGB_LAST_IRRADIANCE1, DGB_IRRADIANCE1);
@@ -2375,8 +2418,8 @@ static void dgbi_plan_pack(const dgb_desc* d, const dgbi_wants* w, dgb_plan* pla
     dgbi_add_packed_outputs(pass, true, w->radiance, w->layers);
 }
 
-/* Occlusion taps read z alone; radiosity reads everything at every level. The programs here and below do not depend on the
-   size, even where a small one leaves some of them no pass: dgb_resize keeps them. */
+/* Occlusion taps read z alone; radiosity reads everything at every level. The programs here and below do not depend on
+   the size, even where a small one leaves some of them no pass: dgb_resize keeps them. */
 static void dgbi_plan_mip(const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_MIP);
     int level, i;
@@ -2430,7 +2473,7 @@ static void dgbi_plan_ao(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan)
     if (w->bent) dgbi_add_output(pass, DGB_BENT_RAW);
 }
 
-/* Two programs, without and with the normal test, so that presets switch without compiling: pass->program + normal_test. */
+/* Two programs, so that presets switch without compiling: the first without the normal test, the next with it. */
 static void dgbi_plan_gather(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = plan->program_count;
     dgb_plan_pass* pass = dgbi_add_pass(plan, DGB_PASS_GATHER, 0, program);
@@ -2486,10 +2529,7 @@ static void dgbi_plan_temporal(const dgb_desc* d, const dgbi_wants* w, dgb_plan*
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
     dgbi_add_input(pass, DGB_LAST_Z);
-    if (d->source == DGB_SOURCE_BUILD || w->deep)
-        dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, pass);
-    else
-        dgbi_add_input(pass, DGB_ENGINE_VELOCITY0); /* the second layer's is not read */
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, w->deep ? 2 : 1, pass);
     dgbi_plan_mean(w->ao ? DGB_AO_RAW : DGB_SLOT_NONE, DGB_FRAMES, DGB_LAST_FRAMES, plan, pass);
     if (w->light) dgbi_plan_mean(DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, DGB_LAST_IRRADIANCE, plan, pass);
     if (w->deep) dgbi_plan_mean(DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, DGB_LAST_IRRADIANCE1, plan, pass);
@@ -2503,7 +2543,7 @@ typedef struct dgbi_filtered {
     dgb_format format;
 } dgbi_filtered;
 
-/* Along x it reads what the passes before have left, along y what it has written itself: surface and light in one texel. */
+/* Along x it reads what earlier passes have left, along y what it wrote itself: surface and light in one texel. */
 static void dgbi_plan_axis(const dgb_desc* d, const dgbi_wants* w, int axis, dgb_plan* plan) {
     const dgbi_filtered results[4] = {
         {w->ao, DGB_AO_RAW, w->temporal ? DGB_FRAMES : DGB_AO_RAW, DGB_AO, DGB_FORMAT_R8},
@@ -2563,11 +2603,6 @@ static void dgbi_plan_range(const dgbi_wants* w, dgb_plan* plan) {
     }
 }
 
-/* Of the layer that mirrors, the first. */
-static void dgbi_add_roughness(const dgb_desc* d, dgb_plan_pass* pass) {
-    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_NORMAL : DGB_ENGINE_ROUGHNESS);
-}
-
 static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* plan) {
     const int program = dgbi_add_program(plan, DGB_PASS_REFLECT);
     const dgb_slot reflection = w->glossy ? DGB_REFLECTION_RAW : DGB_REFLECTION;
@@ -2587,11 +2622,11 @@ static void dgbi_plan_reflect(const dgb_desc* d, const dgbi_wants* w, dgb_plan* 
     if (w->layers > 1) dgbi_add_input(pass, DGB_B1);
     if (d->tracer == DGB_TRACER_HIERARCHICAL) dgbi_add_input(pass, DGB_RANGES);
     if (w->indirect) {
-        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, pass);
+        dgbi_add_source(d, DGB_ALBEDO, DGB_ENGINE_ALBEDO0, w->layers, pass);
         dgbi_add_input(pass, DGB_IRRADIANCE);
         if (w->deep) dgbi_add_input(pass, DGB_IRRADIANCE1);
     }
-    if (w->glossy) dgbi_add_roughness(d, pass);
+    if (w->glossy) dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_ROUGHNESS, 1, pass); /* of the layer that mirrors */
     dgbi_add_output(pass, reflection);
     dgbi_add_output(pass, DGB_REFLECTION_HIT);
 }
@@ -2608,7 +2643,7 @@ static void dgbi_plan_glossy(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
     dgbi_add_texture(plan, DGB_REFLECTION, DGB_FORMAT_RGBA16F, 0, 1);
     dgbi_add_input(pass, DGB_Z);
     dgbi_add_input(pass, DGB_NORMALS);
-    dgbi_add_roughness(d, pass);
+    dgbi_add_source(d, DGB_NORMAL, DGB_ENGINE_ROUGHNESS, 1, pass);
     dgbi_add_input(pass, DGB_REFLECTION_RAW);
     dgbi_add_input(pass, DGB_REFLECTION_HIT);
     dgbi_add_output(pass, DGB_REFLECTION);
@@ -2617,7 +2652,7 @@ static void dgbi_plan_glossy(const dgb_desc* d, const dgbi_wants* w, dgb_plan* p
     dgbi_add_texture(plan, DGB_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
     dgbi_add_texture(plan, DGB_LAST_REFLECTION_FRAMES, DGB_FORMAT_R8, 0, 1);
     dgbi_add_input(pass, DGB_LAST_Z);
-    dgbi_add_input(pass, d->source == DGB_SOURCE_BUILD ? DGB_VELOCITY : DGB_ENGINE_VELOCITY0);
+    dgbi_add_source(d, DGB_VELOCITY, DGB_ENGINE_VELOCITY0, 1, pass);
     dgbi_add_input(pass, DGB_LAST_REFLECTION);
     dgbi_add_input(pass, DGB_LAST_REFLECTION_FRAMES);
     dgbi_add_output(pass, DGB_REFLECTION_FRAMES);
@@ -2918,7 +2953,7 @@ static void dgbi_draw_uniforms(const dgb_context* c, const dgbi_build* b, const 
     u->flags[1] = c->desc.reversed;
 }
 
-/* One layered pass: all layers at once, or one. IMAGE emission rasterises the first and reaches the others by itself. */
+/* One layered pass: all layers at once, or one. IMAGE emission rasterises the first alone, and stores the others. */
 static void dgbi_layer_pass(dgb_context* c, const dgbi_build* b, const dgb_draw* draw) {
     const bool image = draw->emission == DGB_EMISSION_IMAGE && draw->layer_count > 1;
     const int layer = draw->layer_count > 1 && !image ? -1 : draw->first_layer;
@@ -2975,29 +3010,35 @@ static const dgb_plan_pass* dgbi_find_pass(const dgb_plan* plan, dgb_pass_id id)
     return NULL;
 }
 
+/* Writes one layer of depth, so many texels of it, with a full-screen triangle: WARP, RESOLVE. */
+static void dgbi_write_depth(dgb_context* c, const dgb_plan_pass* plan_pass, dgb_target target, int width, int height,
+                             const void* uniforms, size_t size) {
+    dgb_pass pass;
+    memset(&pass, 0, sizeof pass);
+    pass.id = plan_pass->id;
+    pass.depth = target;
+    pass.width = (float)width;
+    pass.height = (float)height;
+    pass.clip = c->desc.clip;
+    if (!dgbi_pass_begins(c, &pass)) return;
+    dgbi_bind_inputs(c, plan_pass);
+    c->backend.uniforms_upload(c->backend.user, uniforms, size);
+    c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
+    c->backend.pass_end(c->backend.user);
+}
+
 /* IMAGE emission: the depth bits of each deeper layer become its depth. Layers that were peeled have it already. */
 static void dgbi_resolve(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_RESOLVE);
-    dgb_pass pass;
-    dgb_resolve_uniforms uniforms;
-    int layer;
+    dgb_target target = {{0}, 0, 1};
+    dgb_resolve_uniforms u;
     if (b->emission != DGB_EMISSION_IMAGE || b->oracle == DGB_ORACLE_PEEL || b->layers == 1) return;
-    memset(&uniforms, 0, sizeof uniforms);
+    memset(&u, 0, sizeof u);
+    target.texture = c->textures[b->depth];
     dgbi_marker(c, DGB_PASS_RESOLVE, true);
-    for (layer = 1; layer < b->layers; ++layer) {
-        memset(&pass, 0, sizeof pass);
-        pass.id = DGB_PASS_RESOLVE;
-        pass.depth.texture = c->textures[b->depth];
-        pass.depth.layer = layer;
-        pass.width = (float)c->plan.width;
-        pass.height = (float)c->plan.height;
-        pass.clip = c->desc.clip;
-        if (!dgbi_pass_begins(c, &pass)) break;
-        dgbi_bind_inputs(c, plan_pass);
-        uniforms.layer[0] = layer - 1;
-        c->backend.uniforms_upload(c->backend.user, &uniforms, sizeof uniforms);
-        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
-        c->backend.pass_end(c->backend.user);
+    for (; target.layer < b->layers; ++target.layer) {
+        u.layer[0] = target.layer - 1;
+        dgbi_write_depth(c, plan_pass, target, c->plan.width, c->plan.height, &u, sizeof u);
     }
     dgbi_marker(c, DGB_PASS_RESOLVE, false);
 }
@@ -3024,7 +3065,14 @@ static void dgbi_swap(dgb_context* c, dgb_slot a, dgb_slot b) {
     c->textures[b] = texture;
 }
 
-/* The inverse of an affine matrix, in double; false when it is singular. */
+/* Affine matrices in double: columns of three rows, then the translation. */
+static void dgbi_affine(const float m[16], double affine[12]) {
+    int row, column;
+    for (column = 0; column < 4; ++column)
+        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)m[column * 4 + row];
+}
+
+/* False when the matrix is singular. */
 static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
     const double a = m[0], b = m[4], c = m[8], d = m[1], e = m[5], f = m[9], g = m[2], h = m[6], i = m[10];
     const double cofactors[9] = {e * i - f * h, c * h - b * i, b * f - c * e, f * g - d * i, a * i - c * g,
@@ -3039,7 +3087,7 @@ static bool dgbi_invert_affine(const float m[16], double inverse[12]) {
     return true;
 }
 
-/* product = m inverse, both affine: columns of three rows, then the translation. */
+/* product = m n */
 static void dgbi_multiply_affine(const double m[12], const double n[12], double product[12]) {
     int row, column;
     for (column = 0; column < 4; ++column)
@@ -3054,8 +3102,7 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     int row, column;
     memcpy(next, now, sizeof(float) * 16);
     if (!dgbi_invert_affine(before, inverse)) return;
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)now[column * 4 + row];
+    dgbi_affine(now, affine);
     dgbi_multiply_affine(affine, inverse, step);
     dgbi_multiply_affine(step, affine, result);
     for (column = 0; column < 4; ++column)
@@ -3063,13 +3110,12 @@ static void dgbi_extrapolate_view(const float before[16], const float now[16], f
     if (!dgbi_all_finite(next, 16)) memcpy(next, now, sizeof(float) * 16); /* `before` was nearly singular */
 }
 
-/* From this frame's camera space to last frame's; the identity, exactly, for equal views, and where floats hold no other. */
+/* From this frame's camera space to last frame's; exactly the identity for equal views, or if it overflows. */
 static void dgbi_to_last(const float now[16], const float last[16], float rows[3][4]) {
     double inverse[12], affine[12], change[12];
     bool valid = !dgbi_same_bits(now, last, 16) && dgbi_invert_affine(now, inverse);
     int row, column, i;
-    for (column = 0; column < 4; ++column)
-        for (row = 0; row < 3; ++row) affine[column * 3 + row] = (double)last[column * 4 + row];
+    dgbi_affine(last, affine);
     if (valid) dgbi_multiply_affine(affine, inverse, change);
     for (i = 0; valid && i < 12; ++i) valid = dgbi_is_finite((float)change[i]);
     for (column = 0; column < 4; ++column)
@@ -3077,36 +3123,27 @@ static void dgbi_to_last(const float now[16], const float last[16], float rows[3
             rows[row][column] = valid ? (float)change[column * 3 + row] : column == row ? 1.0f : 0.0f;
 }
 
-/* WARP: the depth of each layer that another is compared with, as the camera of this frame would have seen it last frame. */
+/* WARP: last frame's depth of each layer that another is compared with, as this frame's camera sees it. */
 static void dgbi_warp(dgb_context* c, const dgbi_build* b) {
     const dgb_plan_pass* plan_pass = dgbi_find_pass(&c->plan, DGB_PASS_WARP);
     const int width = c->plan.width, height = c->plan.height;
+    dgb_target target = {{0}, 0, 0};
     dgb_warp_uniforms u;
-    dgb_pass pass;
     if (!plan_pass || b->oracle == DGB_ORACLE_PEEL) return;
     memset(&u, 0, sizeof u);
+    target.texture = c->textures[DGB_ORACLE];
     u.camera = b->camera;
     u.last = c->camera;
     u.depth[0] = dgbi_depth_codes(c->desc.depth_format);
     dgbi_to_last(b->pose.view, c->drawn.view, u.to_last);
     dgbi_marker(c, DGB_PASS_WARP, true);
-    for (u.layer[0] = 0; u.layer[0] < b->layers - 1; ++u.layer[0]) {
-        const int divisor = u.layer[0] ? c->desc.divisor : 1;
-        memset(&pass, 0, sizeof pass);
-        pass.id = DGB_PASS_WARP;
-        pass.depth.texture = c->textures[DGB_ORACLE];
-        pass.depth.layer = u.layer[0];
-        pass.width = (float)dgbi_units(width, divisor);
-        pass.height = (float)dgbi_units(height, divisor);
-        pass.clip = c->desc.clip;
+    for (; target.layer < b->layers - 1; ++target.layer) {
+        const int divisor = target.layer ? c->desc.divisor : 1;
+        u.layer[0] = target.layer;
         u.layer[1] = divisor;
         u.layer[2] = dgbi_units(2 * width - divisor, 2 * divisor) - 1; /* whose centre lies within the buffer */
         u.layer[3] = dgbi_units(2 * height - divisor, 2 * divisor) - 1;
-        if (!dgbi_pass_begins(c, &pass)) break;
-        dgbi_bind_inputs(c, plan_pass);
-        c->backend.uniforms_upload(c->backend.user, &u, sizeof u);
-        c->backend.draw_fullscreen(c->backend.user, c->programs[plan_pass->program]);
-        c->backend.pass_end(c->backend.user);
+        dgbi_write_depth(c, plan_pass, target, dgbi_units(width, divisor), dgbi_units(height, divisor), &u, sizeof u);
     }
     dgbi_marker(c, DGB_PASS_WARP, false);
 }
@@ -3246,7 +3283,7 @@ static bool dgbi_take_layers(const dgb_plan* plan, const dgb_layers* layers, dgb
 DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, const dgb_layers* layers) {
     dgb_log_item item = DGB_LOG_NONE;
     dgb_texture textures[DGB_SLOT_COUNT];
-    float projection[16];
+    dgb_pose pose;
     dgb_camera camera;
     if (!dgbi_is_live(context)) return DGB_INVALID;
     if (!view || !layers) item = DGB_LOG_NULL_ARGUMENT;
@@ -3255,14 +3292,10 @@ DGB_API dgb_result dgb_set_layers(dgb_context* context, const dgb_view* view, co
     memcpy(textures, context->textures, sizeof textures);
     if (item == DGB_LOG_NONE && !dgbi_take_layers(&context->plan, layers, textures)) item = DGB_LOG_INPUT;
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
-    dgb_widen_projection(view->projection, context->desc.width, context->desc.height, context->desc.guard_band,
-                         view->jitter, projection);
-    if (dgb_camera_from_matrix(projection, context->plan.width, context->plan.height, context->desc.clip,
-                               context->desc.reversed, &camera))
-        return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
+    dgbi_submitted_pose(context, view, &pose);
+    if (dgbi_camera_of(context, &pose, &camera)) return dgbi_fail(&context->desc, DGB_INVALID, DGB_LOG_PROJECTION);
     memcpy(context->textures, textures, sizeof textures);
-    memcpy(context->drawn.view, view->view, sizeof context->drawn.view);
-    memcpy(context->drawn.projection, projection, sizeof projection);
+    context->drawn = pose;
     context->camera = camera;
     dgbi_new_layers(context, view->cut);
     return DGB_OK;
@@ -3278,13 +3311,25 @@ static void dgbi_shaded_rect(const dgb_context* c, const dgb_params* q, int rect
     rect[3] = c->plan.height - 2 * inset;
 }
 
-static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t inclusive[4]) {
-    int rect[4];
-    dgbi_shaded_rect(c, q, rect);
+/* The image, for nothing reads reflections in the guard band. x, y, width, height. */
+static void dgbi_image_rect(const dgb_context* c, int rect[4]) {
+    rect[0] = rect[1] = c->desc.guard_band;
+    rect[2] = c->desc.width;
+    rect[3] = c->desc.height;
+}
+
+/* As shaders have it: x0, y0, x1, y1, the last two inclusive. */
+static void dgbi_inclusive(const int rect[4], int32_t inclusive[4]) {
     inclusive[0] = rect[0];
     inclusive[1] = rect[1];
     inclusive[2] = rect[0] + rect[2] - 1;
     inclusive[3] = rect[1] + rect[3] - 1;
+}
+
+static void dgbi_fill_rect(const dgb_context* c, const dgb_params* q, int32_t inclusive[4]) {
+    int rect[4];
+    dgbi_shaded_rect(c, q, rect);
+    dgbi_inclusive(rect, inclusive);
 }
 
 /* usable: whether last frame is worth looking at. Layers that are shaded again have not moved. */
@@ -3477,13 +3522,6 @@ static void dgbi_reflect_uniforms(const dgb_context* c, const dgb_params* q, dgb
         dgbi_log2_ceil(DGB_CELL_SIZE) + dgbi_range_levels(&c->plan) - 1 - u->skip[1]; /* of the coarsest cell */
 }
 
-/* Nothing reads reflections in the guard band. x, y, width, height. */
-static void dgbi_image_rect(const dgb_context* c, int rect[4]) {
-    rect[0] = rect[1] = c->desc.guard_band;
-    rect[2] = c->desc.width;
-    rect[3] = c->desc.height;
-}
-
 static void dgbi_glossy_uniforms(const dgb_context* c, const dgb_params* q, dgb_glossy_uniforms* u) {
     const bool usable = c->has_history && dgbi_same_reflection(q, &c->shaded_params);
     int32_t size[4];
@@ -3491,10 +3529,7 @@ static void dgbi_glossy_uniforms(const dgb_context* c, const dgb_params* q, dgb_
     memset(u, 0, sizeof *u);
     u->camera = c->camera;
     dgbi_image_rect(c, rect);
-    u->rect[0] = rect[0];
-    u->rect[1] = rect[1];
-    u->rect[2] = rect[0] + rect[2] - 1;
-    u->rect[3] = rect[1] + rect[3] - 1;
+    dgbi_inclusive(rect, u->rect);
     dgbi_fill_size(c, q, q->glossy_taps, size);
     u->size[0] = q->glossy_taps;
     u->size[1] = size[3];
@@ -3621,14 +3656,14 @@ DGB_API dgb_result dgb_shade(dgb_context* context, const dgb_params* params) {
     if (item == DGB_LOG_NONE) item = dgbi_check_params(params);
     if (item != DGB_LOG_NONE) return dgbi_fail(&context->desc, DGB_INVALID, item);
     if (context->built - context->shaded > 1u) context->has_history = false; /* velocities reach back one frame only */
-    for (i = 0; i < (int)(sizeof turns / sizeof turns[0]); ++i)
+    for (i = 0; i < DGBI_COUNT(turns); ++i)
         if (context->textures[turns[i][1]].id) dgbi_swap(context, turns[i][0], turns[i][1]);
     dgbi_begin_drawing(context);
     for (i = 0; i < context->plan.pass_count; ++i) {
         const dgb_plan_pass* pass = &context->plan.passes[i];
         if (pass->id <= DGB_PASS_PREDICT) continue; /* dgb_build has run these */
         if (pass->id == DGB_PASS_TILES && !params->adaptive) continue;
-        if (pass[-(i > 0)].id != pass->id || i == 0) dgbi_marker(context, pass->id, true);
+        if (i == 0 || pass[-1].id != pass->id) dgbi_marker(context, pass->id, true);
         dgbi_run_fullscreen(context, pass, params);
         if (i + 1 == context->plan.pass_count || pass[1].id != pass->id) dgbi_marker(context, pass->id, false);
     }

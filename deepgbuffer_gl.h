@@ -4,12 +4,12 @@
        #include "deepgbuffer.h"
        #include "deepgbuffer_gl.h"
    In the one file where DEEPGBUFFER_IMPLEMENTATION is defined, both headers are implemented.
-   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress and
-   eglGetProcAddress both fit).
+   Nothing to link and no GL header needed: every entry point comes through the get_proc you give (glfwGetProcAddress
+   and eglGetProcAddress both fit).
 
    NEEDS     OpenGL 3.3 core or later, or OpenGL ES 3.0 or later with EXT_color_buffer_float (peeling only there).
-   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init (but for
-             dgbgl_draw_view).
+   DOES NOT  create contexts, own your shaders, change your state behind your back, or compile anything after dgb_init
+             (dgbgl_draw_view excepted).
 
    START (with a context current)
        static dgbgl_backend gl;                             keep it as long as the dgb_context
@@ -22,7 +22,7 @@
        dgb_init(&dgb, &d);
 
    YOUR MATERIAL SHADERS
-       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows and names no version.
+       Each starts with the text of dgbgl_shader_prefix, which holds the #version line; yours follows without one.
            uniform mat4 view, projection, model, previous_view, previous_projection, previous_model;      vertex shader
            in vec3 position, normal;  in vec2 uv;  out vec3 v_normal;  out vec2 v_uv;
            void main() {
@@ -39,36 +39,38 @@
                dgb_store(vec4(base.rgb, 1.0), v_normal, vec2(roughness, metallic), emission);
            }
        dgb_instance() replaces gl_InstanceID. Skinned vertices are skinned twice: now, and with last frame's bones.
-       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on under
-       another name, so list them for both functions:
+       The geometry shader is dgbgl_geometry_shader's: link it when its text is not empty. It passes your varyings on
+       under another name, so list them for both functions:
            const dgbgl_varying varyings[] = {{NULL, "vec3", "v_normal"}, {NULL, "vec2", "v_uv"}};
        After linking, once: dgbgl_attach_program.
-       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by draw->instances,
-       and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's main from one of its
-       own; do not call main yourself.
+       Your draw callback multiplies its instance count, and the divisors of its instanced attributes, by
+       draw->instances, and draws objects in the pose that draw->pose names. IMAGE emission calls your fragment shader's
+       main from one of its own; do not call main yourself.
 
    STATE
        Each dgb_* call that touches GL saves first, and restores last, all state it changes: draw and read framebuffer,
-       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull, polygon
-       mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip distances and clip
-       control, program (even one deleted while in use), vertex array, uniform buffer and the one indexed binding used, active
-       texture, textures and samplers of the units used, image units 0 to 4, pixel unpacking, query buffer.
+       viewports, depth ranges, scissor tests, blend enables and colour masks of every buffer, depth, stencil, cull,
+       polygon mode, offset and smoothing, primitive restart, sRGB, logic op, dither, multisample coverage, clip
+       distances and clip control, program (even one deleted while in use), vertex array, uniform buffer and the one
+       indexed binding used, active texture, textures and samplers of the units used, image units 0 to 4, pixel
+       unpacking, query buffer.
        desc.keep_state = true skips all of it, and every glGet: then set your own.
-       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns only lines,
-       points and patches.
-       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours that are
-       active count what the library draws.
+       Left alone, so yours to set in your draw callback: front face, provoking vertex, cull face, and what concerns
+       only lines, points and patches.
+       Not restorable, so not allowed around a call: active transform feedback, conditional rendering. Queries of yours
+       that are active count what the library draws.
 
    ERRORS OF GL
-       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message of it and
-       does not count it against itself. What the driver refused in a call, out of memory or lost with its context, makes
-       dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for errors: do so yourself.
-       After a lost context shut everything down and start anew: the library waits for nothing and calls nothing that is null.
+       What was pending before a call, or is when your draw callback returns, is yours: the library tells desc.message
+       of it and does not count it against itself. What the driver refused in a call, out of memory or lost with its
+       context, makes dgb_build and dgb_shade fail (DGB_OUT_OF_MEMORY, DGB_DEVICE). With keep_state no frame asks for
+       errors: do so yourself. After a lost context shut everything down and start anew: the library waits for nothing
+       and calls nothing that is null.
 
    UNITS AND BINDINGS
-       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw callback
-       the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding desc.uniform_binding
-       (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
+       Full-screen passes use texture units 0 to 13 and the oracle's, and one uniform buffer binding. During your draw
+       callback the oracle sits in texture unit desc.oracle_unit (default 15) and the draw block in uniform binding
+       desc.uniform_binding (default 23); with IMAGE emission the layers are bound to image units 0 to 4 as well.
 
    TO LOOK AT IT
        dgbgl_view_desc v = {0};
@@ -107,7 +109,7 @@ extern "C" {
 
 typedef void* (*dgbgl_get_proc_fn)(const char* name);
 
-/* Compiler and linker messages with the pass they belong to; what the driver lacks; errors of GL that are the engine's. */
+/* Compiler and linker messages with the pass they belong to; what the driver lacks; GL errors that the engine left. */
 typedef void (*dgbgl_message_fn)(void* user, const char* text);
 
 typedef struct dgbgl_desc {     /* 0 means default */
@@ -289,9 +291,9 @@ typedef struct dgbgl_backend { /* yours to place; its members are the library's,
     dgbgl_state state;
 } dgbgl_backend;
 
-/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or with a
-   unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when an entry point
-   is missing or an object cannot be made; *gl is then zero. */
+/* Loads GL through desc->get_proc and reads the capabilities of the current context. DGB_INVALID without get_proc or
+   with a unit or binding that the context does not have, DGB_UNSUPPORTED when the context is too old, DGB_DEVICE when
+   an entry point is missing or an object cannot be made; *gl is then zero. */
 DGB_API dgb_result dgbgl_init(dgbgl_backend* gl, const dgbgl_desc* desc);
 /* Destroys what dgbgl_init and the passes created. Call it after dgb_shutdown. Null and zero are ignored. */
 DGB_API void dgbgl_shutdown(dgbgl_backend* gl);
@@ -301,17 +303,17 @@ DGB_API dgb_texture dgbgl_texture(unsigned int name);
 /* GL name of a handle. Layer textures are GL_TEXTURE_2D_ARRAY, all others GL_TEXTURE_2D. */
 DGB_API unsigned int dgbgl_texture_name(dgb_texture texture);
 
-/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at most
-   `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead context, and,
-   with a message, for a varying that is not as dgbgl_varying says.
+/* Text that starts a material shader: #version, extensions, defines, and the library's snippets of the stage. Writes at
+   most `capacity` bytes with the final 0, returns the length of the whole text (as snprintf does); 0 for a null or dead
+   context, and, with a message, for a varying that is not as dgbgl_varying says.
    `varyings` lists the engine's own varyings from vertex to fragment shader; it may be null when count is 0. */
 DGB_API size_t dgbgl_shader_prefix(const dgb_context* context, dgbgl_stage stage, const dgbgl_varying* varyings,
                                    int count, char* text, size_t capacity);
 /* The whole geometry shader for the context's emission; the length is 0 when the emission needs none. */
 DGB_API size_t dgbgl_geometry_shader(const dgb_context* context, const dgbgl_varying* varyings, int count, char* text,
                                      size_t capacity);
-/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID for
-   what is no program or not linked. */
+/* Connects a program that contains the snippets to the draw block and to the oracle, once after linking. DGB_INVALID
+   for what is no program or not linked. */
 DGB_API dgb_result dgbgl_attach_program(const dgb_context* context, unsigned int program);
 
 typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions with */
@@ -324,19 +326,20 @@ typedef struct dgbgl_calibration { /* an engine's own scene, to time emissions w
     int frames; /* timed for each emission; 0: 8 */
 } dgbgl_calibration;
 
-/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two glFinish,
-   and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle becomes PEEL,
-   which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may be null): the least
-   time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
-   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared; *desc
-   is then untouched. */
+/* Builds the layers of the engine's own scene with each emission that the device offers, times them between two
+   glFinish, and writes the fastest into desc->emission. When that is SEPARATE and desc->oracle is default, desc->oracle
+   becomes PEEL, which costs the same and is exact. For start-up: takes some ten frames an emission. milliseconds (may
+   be null): the least time of each emission, < 0 where it could not be used; the best of all under DGB_EMISSION_AUTO.
+   DGB_INVALID for null arguments, DGB_UNSUPPORTED without a clock (OpenGL ES) or when no emission could be prepared;
+   *desc is then untouched. */
 DGB_API dgb_result dgbgl_calibrate(dgbgl_backend* gl, const dgbgl_calibration* calibration, dgb_desc* desc,
                                    double milliseconds[DGB_EMISSION_COUNT]);
 
-/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the library found
-   with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of dgb_bent_direction(bent, normal),
-   dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the light of a prefiltered cube map from where a
-   point is open: put it into the shader that composites, after #version. As snprintf. */
+/* GLSL of dgb_fallback(probe, visibility, irradiance) and dgb_mirror(environment, reflection), which mix what the
+   library found with a probe's light and an environment map's by its confidence, and, for DGB_BENT, of
+   dgb_bent_direction(bent, normal), dgb_bent_cosine(bent) and dgb_probe_visible(radiance, texels, bent, normal), the
+   light of a prefiltered cube map from where a point is open: put it into the shader that composites, after #version.
+   As snprintf. */
 DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
 
 /* What dgbgl_draw_view can show. X(name, word, slot, legend); those up to VALIDITY are of one layer. */
@@ -349,7 +352,7 @@ DGB_API size_t dgbgl_composite_snippet(char* text, size_t capacity);
     X(VALIDITY, "validity", DGB_DEPTH, "cyan: the layer has a surface; red: had one, too near to the first")      \
     X(AO, "ao", DGB_AO, "ambient visibility: 1 is open")                                                          \
     X(IRRADIANCE, "irradiance", DGB_IRRADIANCE, "bounced light as white paper would show it")                     \
-    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "share of taps that found a sender of light")                     \
+    X(CONFIDENCE, "confidence", DGB_IRRADIANCE, "how far light is known: black not at all")                       \
     X(HISTORY, "history", DGB_FRAMES, "frames averaged: black none, red few, white as many as count")             \
     X(REFLECTION, "reflection", DGB_REFLECTION, "what a mirror or lobe shows, by its confidence")                 \
     X(REFLECTION_LAYER, "reflection_layer", DGB_REFLECTION_HIT,                                                   \
@@ -372,20 +375,22 @@ typedef struct dgbgl_view_desc { /* 0 means default */
     unsigned int texture;    /* LIGHT: a GL_TEXTURE_2D of the image's size */
 } dgbgl_view_desc;
 
-/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB values, within the
-   scissor if that test is on. All other state is kept. The first call compiles a program. A texture that changes places with last
-   frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
+/* To look at what a context holds: draws it, without its guard band, into the framebuffer that is bound, in sRGB
+   values, within the scissor if that test is on. All other state is kept. The first call compiles a program. A texture
+   that changes places with last frame's (dgb_get_texture) is that of the last dgb_build and dgb_shade.
    DGB_INVALID, a message, and nothing drawn where the context has no such layer or texture, or for wrong arguments;
    DGB_OUT_OF_MEMORY or DGB_DEVICE where the driver refuses. */
 DGB_API dgb_result dgbgl_draw_view(const dgb_context* context, const dgbgl_view_desc* view);
 DGB_API const char* dgbgl_view_name(dgbgl_view view);   /* "reflection_layer"; "?" out of range, here and below */
 DGB_API const char* dgbgl_view_legend(dgbgl_view view); /* what its colours mean */
 
-/* Text of a full-screen pass, for inspection and offline compilers. As snprintf. */
+/* Text of a full-screen pass, for inspection and offline compilers. program: of a plan, null: 0. version: as
+   dgbgl_backend.version. As snprintf. */
 DGB_API size_t dgbgl_pass_source(const dgb_program_desc* program, dgbgl_stage stage, int version, bool es, char* text,
                                  size_t capacity);
 
-/* Time of a pass two frames ago on the GPU's clock. false: no timers here, or no result yet. Never waits. */
+/* Time of a pass two frames ago on the GPU's clock, all of its steps. false, *milliseconds untouched: no timers here, no
+   result yet, or null or a pass out of range. Never waits. */
 DGB_API bool dgbgl_pass_time(const dgbgl_backend* gl, dgb_pass_id pass, double* milliseconds);
 
 #ifdef __cplusplus
@@ -477,6 +482,13 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "vec3 dgb_nearest(vec3 v) { return vec3(dgb_nearest(v.x, 6), dgb_nearest(v.y, 6), dgb_nearest(v.z, 5)); }\n"
     "\n"
+    "vec4 dgb_dithered(vec4 x, vec4 u) {\n"
+    "    uvec4 below  = 2u + uvec4(u * 8188.0);\n"
+    "    vec4  coarse = uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u);\n"
+    "    vec4  fine   = floor(x * 16777216.0 + vec4(below) / 8192.0) / 16777216.0;\n"
+    "    return mix(fine, coarse, greaterThanEqual(abs(x), vec4(6.103515625e-5)));\n"
+    "}\n"
+    "\n"
     "int dgb_pixel_hash(ivec2 pixel, int frame) {\n"
     "    uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;\n"
     "    h      = (h ^ (h >> 16)) * 0x7feb352du;\n"
@@ -496,7 +508,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "\n"
     "int dgb_hilbert_index(ivec2 pixel) {\n"
     "    uvec2 p     = uvec2(pixel);\n"
-    "    uint  index = 0u;\n"
+    "    uint  index = 0u;\n",
     "    for (int bit = 5; bit >= 0; --bit) {\n"
     "        uvec2 quarter = (p >> uint(bit)) & 1u; // right, upper\n"
     "        index         = index << 2u | ((3u * quarter.x) ^ quarter.y);\n"
@@ -505,7 +517,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return int(index);\n"
     "}\n"
     "\n"
-    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n",
+    "vec4 dgb_pixel_quad(ivec2 pixel, int frame) {\n"
     "    uint place = uint(dgb_hilbert_index(pixel)) + uint(frame) * 288u + 1u;\n"
     "    return (vec4((place * uvec4(3242174889u, 2447445414u, 2700274806u, 2313257605u)) >> 9u) + 0.5) / 8388608.0;\n"
     "}\n"
@@ -579,11 +591,16 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "    return w > 0.0 ? camera.footprint.x / w : 0.0;\n"
     "}\n"
     "\n"
+    "// Pixels that a radius (m) covers at depth z, `most` of them at most.\n"
+    "float dgb_reach(float z, float radius, float most, dgb_camera camera) {\n"
+    "    return min(dgb_pixels_per_metre(z, camera) * radius, most);\n"
+    "}\n"
+    "\n"
     "bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }\n"
     "\n"
     "// The square, so that the larger of two layers is known before a root is taken. For finite v and epsilon > 0, which the\n"
     "// passes guarantee; dgb_ao_term below takes anything.\n"
-    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n"
+    "float dgb_ao_term_squared(vec3 v, vec3 n, float inv_r2, float beta, float epsilon) {\n",
     "    float d2 = dot(v, v);\n"
     "    float a  = max(1.0 - d2 * inv_r2, 0.0) * max(dot(vec4(v, 1.0), vec4(n, -beta)), 0.0);\n"
     "    return a * a / (d2 + epsilon);\n"
@@ -597,7 +614,7 @@ static const char* const dgbgli_glsl_common[] = { /* 00_common.glsl */
     "float dgb_ambient_visibility(float sum, float pi_over_count) {\n"
     "    return sum > 0.0 ? max(1.0 - sqrt(pi_over_count * sum), 0.0) : 1.0;\n"
     "}\n"
-    "\n",
+    "\n"
     "float dgb_gather_term(vec3 v, vec3 n_x, float r2) {\n"
     "    float d2     = dot(v, v);\n"
     "    float cosine = dot(v, n_x) * inversesqrt(d2);\n"
@@ -1062,8 +1079,10 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "// Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack,\n"
     "// temporal and glossy.\n"
     "\n"
-    "const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history\n"
-    "const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger\n"
+    "const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history\n"
+    "\n"
+    "// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.\n"
+    "float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }\n"
     "\n"
     "struct dgb_reprojection {\n"
     "    dgb_camera last;\n"
@@ -1138,10 +1157,16 @@ static const char* const dgbgli_glsl_history[] = { /* 19_history.glsl */
     "#if DGB_DEEP\n"
     "    vec4 e1 = texelFetch(dgb_last_irradiance1, texel, 0);\n"
     "    e       = layer == 1 ? e1 : e;\n"
-    "#endif\n"
+    "#endif\n",
     "    return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);\n"
     "}\n"
-    "#endif\n",
+    "#endif\n"
+    "\n"
+    "// An average with last frame's, as it is stored. weight: of history; without it x is no average, and stays.\n"
+    "vec4 dgb_averaged(vec4 x, float weight, ivec2 pixel, int frame) {\n"
+    "    vec2 pair = dgb_pixel_pair(pixel, frame);\n"
+    "    return weight > 0.0 ? dgb_dithered(x, fract(vec4(pair, pair + 0.5))) : x;\n"
+    "}\n",
     0
 };
 
@@ -1370,7 +1395,7 @@ static const char* const dgbgli_glsl_tiles[] = { /* 33_tiles.glsl */
     "\n"
     "// Whether any second-layer surface lies within the radius, in depth and in the image, of any first-layer surface of the tile.\n"
     "bool dgb_second_matters(ivec2 tile, vec4 ours, float radius) {\n"
-    "    float reach = min(dgb_pixels_per_metre(ours.x, dgb_tiles_camera) * radius, dgb_tiles_radius.z);\n"
+    "    float reach = dgb_reach(ours.x, radius, dgb_tiles_radius.z, dgb_tiles_camera);\n"
     "    float range = radius * 1.001; // rounding must not decide\n"
     "    // a tap at MIP level m lies up to 2 * 2^m pixels off; it is 8 * 2^m away, or m is the least level\n"
     "    float pixels = reach * 1.25 + 2.0 * dgb_tiles_radius.w + 1.0;\n"
@@ -1624,7 +1649,7 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
     "    dgb_shaded s;\n"
     "    s.pixel     = ivec2(gl_FragCoord.xy);\n"
     "    float z     = texelFetch(dgb_z, s.pixel, 0).x;\n"
-    "    float reach = min(dgb_pixels_per_metre(z, dgb_ao_camera) * dgb_ao_radius.x, dgb_ao_scale.z);\n"
+    "    float reach = dgb_reach(z, dgb_ao_radius.x, dgb_ao_scale.z, dgb_ao_camera);\n"
     "    s.x         = dgb_origin_at(gl_FragCoord.xy, z, dgb_ao_camera);\n"
     "    s.n         = dgb_oct16_decode(texelFetch(dgb_normals, s.pixel, 0).xy);\n"
     "    s.spiral    = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_ao_size);\n"
@@ -2002,10 +2027,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    return s;\n"
     "}\n"
     "\n"
-    "// Pixels that the radius covers at z.\n"
-    "float dgb_reach(float z) {\n"
-    "    return min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);\n"
-    "}\n"
+    "float dgb_gather_reach(float z) { return dgb_reach(z, dgb_gather_radius.x, dgb_gather_radius.w, dgb_gather_camera); }\n"
     "\n"
     "// taps: that lie within the receiver's own reach.\n"
     "vec4 dgb_irradiance(dgb_receiver r, float taps) {\n"
@@ -2020,8 +2042,8 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "\n"
     "// What tap i finds, for the first layer's receiver and, if `deep`, the second's. second: look at second-layer senders. Both are\n"
     "// constant wherever this is called.\n"
-    "void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_receiver r0, inout dgb_receiver r1) {\n",
-    "    dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], s.spiral, dgb_gather_level);\n"
+    "void dgb_gather_tap(int i, dgb_shaded s, bool second, bool deep, inout dgb_receiver r0, inout dgb_receiver r1) {\n"
+    "    dgb_tap tap    = dgb_tap_at(dgb_gather_taps[i], s.spiral, dgb_gather_level);\n",
     "    // the shaded surface sends itself nothing anyway, but those behind one another at the pixel might\n"
     "    bool    counts = tap.inside && (!second || tap.pixel != s.pixel);\n"
     "    vec2    zs     = texelFetch(dgb_z, tap.texel, tap.level).xy;\n"
@@ -2050,7 +2072,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    vec2         z       = texelFetch(dgb_z, s.pixel, 0).xy;\n"
     "    vec4         normals = texelFetch(dgb_normals, s.pixel, 0);\n"
     "    dgb_receiver r0      = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy), r1 = r0;\n"
-    "    float        reach   = dgb_reach(z.x);\n"
+    "    float        reach   = dgb_gather_reach(z.x);\n"
     "    s.spiral             = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_gather_size);\n"
     "    int taps             = z.x > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;\n"
     "#if DGB_LAYERS > 1\n"
@@ -2070,7 +2092,7 @@ static const char* const dgbgli_glsl_gather[] = { /* 50_gather.glsl */
     "    dgb_out_irradiance = dgb_irradiance(r0, float(taps));\n"
     "#if DGB_DEEP\n"
     "    // taps go out evenly; those beyond the second layer's reach, which is shorter, could not have found anything for it\n"
-    "    float within        = float(taps) * dgb_reach(z.y) / reach;\n"
+    "    float within        = float(taps) * dgb_gather_reach(z.y) / reach;\n"
     "    dgb_out_irradiance1 = taps > 0 && z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, max(within, 1.0)) : vec4(0.0);\n"
     "#endif\n"
     "}\n",
@@ -2125,10 +2147,11 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "layout(location = 1) out vec4 dgb_out_bent;\n"
     "#endif\n"
     "\n"
+    "// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.\n"
     "struct dgb_history {\n"
     "    float moved; // pixels since last frame\n"
     "    vec4  irradiance;\n"
-    "    float frames, share; // share: of the bilinear weights that the surface still has\n"
+    "    float frames, share;\n"
     "    float visibility, visibility_frames, visibility_share;\n"
     "    vec4  bent; // with the visibility's frames and share\n"
     "};\n"
@@ -2165,24 +2188,22 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "        vec2  weight = mix(1.0 - part, part, vec2(corner));\n"
     "        texel        = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);\n"
     "        dgb_add_history(h, texel, dgb_past_layer(texel, past, dgb_temporal_past), weight.x * weight.y);\n"
-    "    }\n"
+    "    }\n",
+    "    float whole = dgb_whole(h.share), whole_visibility = dgb_whole(h.visibility_share);\n"
+    "    h.share *= whole;\n"
+    "    h.irradiance *= whole;\n"
+    "    h.frames *= whole;\n"
+    "    h.visibility_share *= whole_visibility;\n"
+    "    h.visibility *= whole_visibility;\n"
+    "    h.visibility_frames *= whole_visibility;\n"
+    "    h.bent *= whole_visibility;\n"
     "    return h;\n"
     "}\n"
     "\n"
-    "// Weight of an average of so many frames against one frame more.\n",
+    "// Weight of an average of so many frames against one frame more.\n"
     "float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }\n"
     "\n"
     "float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }\n"
-    "\n"
-    "// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with\n"
-    "// a small share of each frame, an average stays where a frame moves it less than it rounds. weight: of history; without it x is no\n"
-    "// average, and stays.\n"
-    "vec4 dgb_dithered(vec4 x, float weight, ivec2 pixel) {\n"
-    "    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));\n"
-    "    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one\n"
-    "    bvec4 coarse = greaterThanEqual(abs(x), vec4(weight > 0.0 ? 6.103515625e-5 : 1e30)); // 2^-14\n"
-    "    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), coarse);\n"
-    "}\n"
     "\n"
     "#if DGB_LIMITED\n"
     "// What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.\n"
@@ -2219,16 +2240,14 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "}\n"
     "#endif\n"
     "\n"
-    "vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {\n"
-    "    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
-    "    vec4  present = dgb_weigh(raw), history = h.irradiance * share;\n"
-    "    h.frames *= share;\n"
+    "vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, dgb_history h) {\n"
+    "    vec4 present = dgb_weigh(raw);\n"
     "#if DGB_LIMITED\n"
-    "    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);\n"
+    "    dgb_limit(layer, pixel, h.moved, h.share > 0.0, present, h.irradiance);\n"
     "#endif\n"
     "    float weight = dgb_history_weight(h.frames);\n"
-    "    vec4  mean   = dgb_unweigh(mix(present, history, weight));\n"
-    "    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel) : vec4(0.0);\n"
+    "    vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));\n"
+    "    return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));\n"
     "}\n"
     "\n"
     "void main() {\n"
@@ -2242,28 +2261,24 @@ static const char* const dgbgli_glsl_temporal[] = { /* 55_temporal.glsl */
     "    vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);\n"
     "    vec4 filtered      = dgb_filtered(0, pixel, raw, h);\n"
     "    dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;\n"
-    "#else\n"
-    "    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;\n"
     "#endif\n"
     "#if DGB_FILTER_AO\n"
-    "    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;\n"
-    "    h.visibility_frames *= share;\n"
-    "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);\n"
-    "#if DGB_LIMITED\n",
-    "    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);\n"
+    "    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility);\n"
+    "#if DGB_LIMITED\n"
+    "    dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);\n"
     "#endif\n"
     "    float weight = dgb_history_weight(h.visibility_frames);\n"
-    "    open         = dgb_dithered(mix(open, before, weight), weight, pixel);\n"
+    "    open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));\n"
     "#endif\n"
     "#if DGB_BENT\n"
     "    vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);\n"
-    "    vec4 average = mix(bent, h.bent * share, weight);\n"
-    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, weight, pixel) : bent;\n"
+    "    vec4 average = mix(bent, h.bent, weight);\n"
+    "    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;\n"
     "#endif\n"
     "    if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);\n"
     "\n"
-    "#if DGB_DEEP\n"
+    "#if DGB_DEEP\n",
     "    dgb_history h1      = dgb_history_of(1, pixel, z.y, normals.zw);\n"
     "    vec4        raw1    = texelFetch(dgb_irradiance1_raw, pixel, 0);\n"
     "    vec4        deep    = dgb_filtered(1, pixel, raw1, h1);\n"
@@ -2938,7 +2953,7 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "        h.weighed += weight * dgb_weigh(dgb_last_reflection_at(texel));\n"
     "        h.frames += weight * 255.0 * texelFetch(dgb_last_reflection_frames, texel, 0).x;\n"
     "    }\n"
-    "    float whole = share > DGB_LEAST_SHARE ? 1.0 / share : 0.0;\n"
+    "    float whole = dgb_whole(share);\n"
     "    h.weighed *= whole;\n"
     "    h.frames *= whole;\n"
     "    return h;\n"
@@ -2972,11 +2987,15 @@ static const char* const dgbgli_glsl_glossy[] = { /* 68_glossy.glsl */
     "    dgb_mean mean  = dgb_mean_at(pixel, own);\n"
     "#if DGB_HISTORY\n"
     "    dgb_history h  = dgb_usable_history(pixel, own, mean.way);\n"
-    "    mean.weighed   = mix(mean.weighed, h.weighed, min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z));\n"
+    "    float weight   = min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z);\n"
+    "    mean.weighed   = mix(mean.weighed, h.weighed, weight);\n"
     "    dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);\n"
     "#endif\n"
-    "    vec4 filtered      = dgb_unweigh(mean.weighed);\n",
-    "    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);\n"
+    "    vec4 filtered = dgb_unweigh(mean.weighed);\n"
+    "    filtered.rgb  = dgb_storable(filtered.rgb);\n"
+    "#if DGB_HISTORY\n",
+    "    filtered = dgb_averaged(filtered, weight, pixel, dgb_glossy_size.y);\n"
+    "#endif\n"
     "    dgb_out_reflection = rough ? filtered : raw;\n"
     "}\n",
     0
@@ -3116,12 +3135,15 @@ static const char* const dgbgli_glsl_view[] = { /* 75_view.glsl */
 /* >> GL values */
 
 enum {
+    DGBGLI_ALL_BARRIER_BITS = -1,
     DGBGLI_FALSE = 0,
+    DGBGLI_NONE = 0,
     DGBGLI_TRUE = 1,
     DGBGLI_TRIANGLES = 0x0004,
     DGBGLI_LESS = 0x0201,
     DGBGLI_GREATER = 0x0204,
     DGBGLI_ALWAYS = 0x0207,
+    DGBGLI_FRONT_AND_BACK = 0x0408,
     DGBGLI_INVALID_ENUM = 0x0500,
     DGBGLI_OUT_OF_MEMORY = 0x0505,
     DGBGLI_CONTEXT_LOST = 0x0507,
@@ -3140,23 +3162,24 @@ enum {
     DGBGLI_SCISSOR_TEST = 0x0C11,
     DGBGLI_COLOR_WRITEMASK = 0x0C23,
     DGBGLI_UNPACK_SWAP_BYTES = 0x0CF0,
+    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_SKIP_ROWS = 0x0CF3,
     DGBGLI_UNPACK_SKIP_PIXELS = 0x0CF4,
-    DGBGLI_UNPACK_ROW_LENGTH = 0x0CF2,
     DGBGLI_UNPACK_ALIGNMENT = 0x0CF5,
     DGBGLI_MAX_TEXTURE_SIZE = 0x0D33,
     DGBGLI_TEXTURE_2D = 0x0DE1,
     DGBGLI_UNSIGNED_BYTE = 0x1401,
     DGBGLI_UNSIGNED_INT = 0x1405,
     DGBGLI_FLOAT = 0x1406,
+    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_COLOR = 0x1800,
     DGBGLI_DEPTH = 0x1801,
-    DGBGLI_TEXTURE = 0x1702,
     DGBGLI_DEPTH_COMPONENT = 0x1902,
     DGBGLI_RED = 0x1903,
     DGBGLI_RGB = 0x1907,
     DGBGLI_RGBA = 0x1908,
     DGBGLI_FILL = 0x1B02,
+    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_VERSION = 0x1F02,
     DGBGLI_EXTENSIONS = 0x1F03,
     DGBGLI_NEAREST = 0x2600,
@@ -3170,9 +3193,9 @@ enum {
     DGBGLI_POLYGON_OFFSET_FILL = 0x8037,
     DGBGLI_RGBA8 = 0x8058,
     DGBGLI_TEXTURE_BINDING_2D = 0x8069,
-    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_UNPACK_SKIP_IMAGES = 0x806D,
     DGBGLI_UNPACK_IMAGE_HEIGHT = 0x806E,
+    DGBGLI_VERTEX_ARRAY = 0x8074,
     DGBGLI_MULTISAMPLE = 0x809D,
     DGBGLI_SAMPLE_ALPHA_TO_COVERAGE = 0x809E,
     DGBGLI_SAMPLE_COVERAGE = 0x80A0,
@@ -3185,39 +3208,29 @@ enum {
     DGBGLI_MINOR_VERSION = 0x821C,
     DGBGLI_NUM_EXTENSIONS = 0x821D,
     DGBGLI_RG = 0x8227,
+    DGBGLI_RG_INTEGER = 0x8228,
     DGBGLI_R8 = 0x8229,
     DGBGLI_RG8 = 0x822B,
     DGBGLI_R32F = 0x822E,
-    DGBGLI_R32UI = 0x8236,
-    DGBGLI_RG32UI = 0x823C,
-    DGBGLI_RGBA32UI = 0x8D70,
-    DGBGLI_RED_INTEGER = 0x8D94,
-    DGBGLI_RG_INTEGER = 0x8228,
-    DGBGLI_RGBA_INTEGER = 0x8D99,
-    DGBGLI_READ_WRITE = 0x88BA,
-    DGBGLI_ALL_BARRIER_BITS = -1,
-    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
-    DGBGLI_RENDERER = 0x1F01,
     DGBGLI_RG16F = 0x822F,
     DGBGLI_RG32F = 0x8230,
-    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_R32UI = 0x8236,
+    DGBGLI_RG32UI = 0x823C,
     DGBGLI_DEBUG_SOURCE_APPLICATION = 0x824A,
-    DGBGLI_MAX_VIEWPORTS = 0x825B,
-    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_BUFFER = 0x82E0,
+    DGBGLI_PROGRAM = 0x82E2,
     DGBGLI_SAMPLER = 0x82E6,
     DGBGLI_TEXTURE0 = 0x84C0,
     DGBGLI_ACTIVE_TEXTURE = 0x84E0,
     DGBGLI_VERTEX_ARRAY_BINDING = 0x85B5,
     DGBGLI_DEPTH_CLAMP = 0x864F,
-    DGBGLI_QUERY_BUFFER = 0x9192,
-    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
+    DGBGLI_RGBA32F = 0x8814,
+    DGBGLI_RGBA16F = 0x881A,
+    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_QUERY_RESULT = 0x8866,
     DGBGLI_QUERY_RESULT_AVAILABLE = 0x8867,
-    DGBGLI_RGBA16F = 0x881A,
-    DGBGLI_MAX_DRAW_BUFFERS = 0x8824,
+    DGBGLI_READ_WRITE = 0x88BA,
     DGBGLI_STREAM_DRAW = 0x88E0,
-    DGBGLI_TEXTURE_COMPARE_MODE = 0x884C,
     DGBGLI_PIXEL_UNPACK_BUFFER = 0x88EC,
     DGBGLI_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     DGBGLI_MAX_ARRAY_TEXTURE_LAYERS = 0x88FF,
@@ -3233,10 +3246,11 @@ enum {
     DGBGLI_COMPILE_STATUS = 0x8B81,
     DGBGLI_LINK_STATUS = 0x8B82,
     DGBGLI_CURRENT_PROGRAM = 0x8B8D,
-    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_TEXTURE_2D_ARRAY = 0x8C1A,
     DGBGLI_TEXTURE_BINDING_2D_ARRAY = 0x8C1D,
+    DGBGLI_R11F_G11F_B10F = 0x8C3A,
     DGBGLI_RASTERIZER_DISCARD = 0x8C89,
+    DGBGLI_LOWER_LEFT = 0x8CA1,
     DGBGLI_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
     DGBGLI_READ_FRAMEBUFFER = 0x8CA8,
     DGBGLI_DRAW_FRAMEBUFFER = 0x8CA9,
@@ -3245,18 +3259,28 @@ enum {
     DGBGLI_FRAMEBUFFER_COMPLETE = 0x8CD5,
     DGBGLI_COLOR_ATTACHMENT0 = 0x8CE0,
     DGBGLI_DEPTH_ATTACHMENT = 0x8D00,
-    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
     DGBGLI_FRAMEBUFFER = 0x8D40,
+    DGBGLI_PRIMITIVE_RESTART_FIXED_INDEX = 0x8D69,
+    DGBGLI_RGBA32UI = 0x8D70,
+    DGBGLI_RED_INTEGER = 0x8D94,
+    DGBGLI_RGBA_INTEGER = 0x8D99,
     DGBGLI_FRAMEBUFFER_SRGB = 0x8DB9,
     DGBGLI_MAX_GEOMETRY_OUTPUT_VERTICES = 0x8DE0,
     DGBGLI_TIMESTAMP = 0x8E28,
     DGBGLI_SAMPLE_MASK = 0x8E51,
+    DGBGLI_IMAGE_BINDING_NAME = 0x8F3A,
+    DGBGLI_IMAGE_BINDING_LEVEL = 0x8F3B,
+    DGBGLI_IMAGE_BINDING_LAYERED = 0x8F3C,
+    DGBGLI_IMAGE_BINDING_LAYER = 0x8F3D,
+    DGBGLI_IMAGE_BINDING_ACCESS = 0x8F3E,
     DGBGLI_PRIMITIVE_RESTART = 0x8F9D,
-    DGBGLI_LOWER_LEFT = 0x8CA1,
-    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
-    DGBGLI_ZERO_TO_ONE = 0x935F,
+    DGBGLI_IMAGE_BINDING_FORMAT = 0x906E,
+    DGBGLI_QUERY_BUFFER = 0x9192,
+    DGBGLI_QUERY_BUFFER_BINDING = 0x9193,
     DGBGLI_CLIP_ORIGIN = 0x935C,
-    DGBGLI_CLIP_DEPTH_MODE = 0x935D
+    DGBGLI_CLIP_DEPTH_MODE = 0x935D,
+    DGBGLI_NEGATIVE_ONE_TO_ONE = 0x935E,
+    DGBGLI_ZERO_TO_ONE = 0x935F
 };
 
 /* One row a format: internal format, format and type of an upload. */
@@ -3366,8 +3390,8 @@ static const char* dgbgli_error_name(unsigned int error) {
     return i < sizeof names / sizeof names[0] ? names[i] : "an unknown GL error";
 }
 
-/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports for ever
-   is no error of one call, and a lost context may do so. */
+/* Errors that were pending are the engine's: they must not be blamed on what follows. Bounded: what a driver reports
+   for ever is no error of one call, and a lost context may do so. */
 static void dgbgli_drain_errors(const dgbgl_backend* b, const char* where) {
     unsigned int error = 0;
     int i;
@@ -3395,8 +3419,8 @@ static dgb_result dgbgli_no_object(const dgbgl_backend* b) {
 
 /* >> state: what a pass may change is saved at begin and put back at end */
 
-/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and scissor
-   are kept for each buffer and viewport. */
+/* Capabilities that every pass wants off (the depth test apart). Those that the dialect lacks are left out. Blend and
+   scissor are kept for each buffer and viewport. */
 static const struct {
     unsigned int name;
     int since;    /* desktop version */
@@ -3499,9 +3523,9 @@ static void dgbgli_save_raster(dgbgl_backend* b, dgbgl_state* s) {
 }
 
 /* Properties of an image binding, in the order of dgbgl_state.images. */
-static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME, 0x8F3B /* LEVEL */,
-                                                        0x8F3C /* LAYERED */,      0x8F3D /* LAYER */,
-                                                        0x8F3E /* ACCESS */,       0x906E /* FORMAT */};
+static const unsigned int dgbgli_image_properties[6] = {DGBGLI_IMAGE_BINDING_NAME,    DGBGLI_IMAGE_BINDING_LEVEL,
+                                                        DGBGLI_IMAGE_BINDING_LAYERED, DGBGLI_IMAGE_BINDING_LAYER,
+                                                        DGBGLI_IMAGE_BINDING_ACCESS,  DGBGLI_IMAGE_BINDING_FORMAT};
 
 static void dgbgli_save_images(const dgbgl_backend* b, dgbgl_state* s) {
     int unit, i;
@@ -3559,7 +3583,7 @@ static void dgbgli_set_defaults(const dgbgl_backend* b) {
     b->gl.ColorMask(DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE, DGBGLI_TRUE);
     b->gl.DepthMask(DGBGLI_TRUE);
     dgbgli_depth_range(b, 0.0, 1.0);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, DGBGLI_FILL);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, DGBGLI_FILL);
     if (b->query_buffers) b->gl.BindBuffer(DGBGLI_QUERY_BUFFER, 0); /* else the timers are read into it */
     b->gl.BindBuffer(DGBGLI_PIXEL_UNPACK_BUFFER, 0);
     for (i = 0; i < dgbgli_unpack_count(b); ++i)
@@ -3594,7 +3618,7 @@ static void dgbgli_restore_raster(const dgbgl_backend* b, const dgbgl_state* s) 
         if (dgbgli_has_toggle(b, i)) dgbgli_enable(b, dgbgli_toggles[i].name, s->toggles[i] != 0);
     b->gl.DepthMask((unsigned char)s->depth_mask);
     b->gl.DepthFunc((unsigned)s->depth_func);
-    if (b->gl.PolygonMode) b->gl.PolygonMode(0x0408 /* GL_FRONT_AND_BACK */, (unsigned)s->polygon_mode[0]);
+    if (b->gl.PolygonMode) b->gl.PolygonMode(DGBGLI_FRONT_AND_BACK, (unsigned)s->polygon_mode[0]);
     if (b->gl.ClipControl) b->gl.ClipControl((unsigned)s->clip_origin, (unsigned)s->clip_depth);
 }
 
@@ -4049,7 +4073,7 @@ static void dgbgli_set_buffers(const dgbgl_backend* b, const dgb_pass* pass) {
     static const unsigned int buffers[DGB_MAX_TARGETS] = {DGBGLI_COLOR_ATTACHMENT0, DGBGLI_COLOR_ATTACHMENT0 + 1,
                                                           DGBGLI_COLOR_ATTACHMENT0 + 2, DGBGLI_COLOR_ATTACHMENT0 + 3};
     b->gl.DrawBuffers(pass->color_count, buffers);
-    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : 0 /* GL_NONE */);
+    b->gl.ReadBuffer(pass->color_count ? DGBGLI_COLOR_ATTACHMENT0 : DGBGLI_NONE);
 }
 
 /* False, and a message, when it is of no use; it is then gone again. */
@@ -4298,20 +4322,29 @@ typedef struct dgbgli_view_uniforms { /* dgb_view_block */
 /* Samplers of the program; the unit of each is its place. */
 static const char* const dgbgli_view_samplers[4] = {"dgb_view_depth", "dgb_view_layer", "dgb_view_image", "dgb_view_z"};
 
+static void dgbgli_put_view_head(dgbgli_text* t, int version, bool es) {
+    int i;
+    dgbgli_put_version(t, version, es);
+    dgbgli_put_precision(t, es);
+    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(t, dgbgli_views[i].define, i);
+}
+
+static void dgbgli_view_chunks(dgbgl_stage stage, dgbgli_chunks* c) {
+    dgbgli_add_chunks(c, stage == DGBGL_VERTEX ? dgbgli_glsl_fullscreen : dgbgli_glsl_common);
+    if (stage == DGBGL_FRAGMENT) dgbgli_add_chunks(c, dgbgli_glsl_view);
+}
+
 static bool dgbgli_make_view_program(dgbgl_backend* b) {
     char head[1024];
     dgbgli_text t = dgbgli_text_on(head, sizeof head);
     dgbgli_chunks vertex, fragment;
     int i;
     if (b->view_program) return true;
-    dgbgli_put_version(&t, b->version, b->es);
-    dgbgli_put_precision(&t, b->es);
-    for (i = 0; i < DGBGL_VIEW_COUNT; ++i) dgbgli_put_define(&t, dgbgli_views[i].define, i);
+    dgbgli_put_view_head(&t, b->version, b->es);
     vertex.pieces[0] = fragment.pieces[0] = head;
     vertex.count = fragment.count = 1;
-    dgbgli_add_chunks(&vertex, dgbgli_glsl_fullscreen);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_common);
-    dgbgli_add_chunks(&fragment, dgbgli_glsl_view);
+    dgbgli_view_chunks(DGBGL_VERTEX, &vertex);
+    dgbgli_view_chunks(DGBGL_FRAGMENT, &fragment);
     b->view_program = dgbgli_make_program(b, "view", &vertex, &fragment);
     if (!b->view_program) return false;
     dgbgli_connect_block(b, b->view_program, "view");
@@ -4434,8 +4467,8 @@ static bool dgbgli_has_extension(const dgbgl_backend* b, const char* name) {
     return false;
 }
 
-/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers them,
-   or by which extension of OpenGL. */
+/* Optional entry points: since which version of OpenGL and of OpenGL ES (0: never, or of no use here) a context offers
+   them, or by which extension of OpenGL. */
 #define DGBGLI_OFFERS(X)                                  \
     X(IsEnabledi, 330, 320, NULL)                         \
     X(Enablei, 330, 320, NULL)                            \
@@ -4468,8 +4501,8 @@ static bool dgbgli_offers(const dgbgl_backend* b, int since, int since_es, const
     return (since != 0 && b->version >= since) || (extension && dgbgli_has_extension(b, extension));
 }
 
-/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer must have
-   one. */
+/* Entry points of what the context does not offer may still have an address: forget them. Those of what it does offer
+   must have one. */
 static bool dgbgli_settle_optional(dgbgl_backend* b) {
     const char* missing = NULL;
 #define DGBGLI_SETTLE(name, since, since_es, extension) \
@@ -4492,7 +4525,7 @@ static const char* dgbgli_layer_extension(const dgbgl_backend* b) {
     return NULL;
 }
 
-/* Rasterisers known to run the fragments of a pixel one after the other, in order, so that compare and store are safe. */
+/* Rasterisers known to run the fragments of a pixel one after the other: there compare and store are safe. */
 static bool dgbgli_in_order(const dgbgl_backend* b) {
     const char* renderer = (const char*)b->gl.GetString(DGBGLI_RENDERER);
     return renderer && strstr(renderer, "llvmpipe") != NULL;

@@ -7,6 +7,7 @@
 
 #include "headless.h"
 #include "image.hpp"
+#include "program.hpp"
 #include "render_camera.hpp"
 #include "render_options.hpp"
 #include "render_pictures.hpp"
@@ -64,11 +65,6 @@ void open_context(Context* context) {
     }
 }
 
-void check_gl() {
-    const GLenum error = glGetError();
-    if (error != GL_NO_ERROR) { throw std::runtime_error(render_report::print("OpenGL reports error 0x%04x", error)); }
-}
-
 // ---- Input ----------------------------------------------------------------------------------------------
 
 dgb_plan make_plan(const dgb_desc& desc) {
@@ -85,7 +81,6 @@ dgb_plan make_plan(const dgb_desc& desc) {
 
 // ---- Output ---------------------------------------------------------------------------------------------
 
-// Before the work starts, so that a typing error costs no time.
 void check_outputs(const Options& options) {
     std::error_code error;
     for (const Dump& dump : options.dumps) { check_file(dump.file); }
@@ -466,25 +461,9 @@ void run(const Options& options) {
     work.write_files();
 }
 
-// The exit code.
-int run_command_line(int argc, char** argv) {
-    CLI::App app("Renders a scene headless, and shows what a second layer does to occlusion and light.");
-    try {
-        run(parse_options(&app, argc, argv));
-    } catch (const CLI::Success& success) {
-        app.exit(success); // prints the help
-    }
-    require_written(std::fflush(stdout) == 0, "the standard output");
-    return 0;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run_command_line(argc, argv);
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "render: %s\n", error.what());
-        return 2;
-    }
+    return run_program("render", "Renders a scene headless, and shows what a second layer does to occlusion and light.",
+                       [=](CLI::App* app) { run(parse_options(app, argc, argv)); });
 }

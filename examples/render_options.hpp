@@ -398,8 +398,7 @@ inline void add_layers(CLI::App* app, Options* o, Overrides* overrides) {
          {"delay", DGB_ORACLE_DELAY}},
         [=](dgb_oracle oracle) { o->oracle = oracle; },
         "what tells a layer where the one in front is: peel, previous, reproject (default), warp, predict, or delay, "
-        "which "
-        "shows the frame before");
+        "which shows the frame before");
     add_choice<dgb_emission>(
         app, "--emit",
         {{"auto", DGB_EMISSION_AUTO},
@@ -421,8 +420,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option_function<std::string>(
         "--effects", [=](const std::string& list) { parse_effects(list, o); },
         "none, or a comma list of ao, bent (where it opens to; with --estimator bitmask), gi, reflect (mirrors) and "
-        "glossy "
-        "(reflections by roughness) (default ao,gi)");
+        "glossy (reflections by roughness) (default ao,gi)");
     add_choice<dgb_preset_id>(
         app, "--preset",
         {{"performance", DGB_PRESET_PERFORMANCE}, {"balanced", DGB_PRESET_BALANCED}, {"quality", DGB_PRESET_QUALITY}},
@@ -441,7 +439,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
     app->add_option("--slices", overrides->slices, "planes that share the taps of the bitmask (default 1)")
         ->check(between(1, DGB_MAX_SLICES, "1 to 8"));
     app->add_option("--thickness", overrides->thickness,
-                    "how far behind its surface an object hides from the bitmask, m (default 0.25)")
+                    "how far behind its surface an object hides from the bitmask, m (default 0.5)")
         ->check(positive());
     app->add_option("--delta", overrides->delta, "share of light that each bounce hands on (default 1)")
         ->check(between(0, 1, "0 to 1"));
@@ -453,8 +451,7 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         {{"constant", DGB_THICKNESS_CONSTANT}, {"layers", DGB_THICKNESS_LAYERS}, {"back", DGB_THICKNESS_BACK_FACES}},
         [=](dgb_thickness thickness) { o->thickness = thickness; },
         "what ends surfaces that are thinner than --thickness and --reflect-thickness: constant (nothing), layers "
-        "(default: "
-        "the second layer), back (that and back faces, drawn once more)");
+        "(default: the second layer), back (that and back faces, drawn once more)");
     app->add_option("--reflect-steps", overrides->reflect_steps, "most steps of a mirrored ray (default 256)")
         ->check(between(1, 4096, "1 to 4096"));
     app->add_option("--reflect-distance", overrides->reflect_distance, "longest mirrored ray, m (default 30)")

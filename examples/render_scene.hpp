@@ -1,15 +1,12 @@
-// What a command line stands for: a scene, its camera and its lights, and files that can be written. All throw
-// std::runtime_error with one sentence.
+// What a command line stands for: a scene, its camera and its lights. All throw std::runtime_error with one sentence.
 #pragma once
 
 #include "render_camera.hpp"
 #include "render_options.hpp"
 #include "scene.hpp"
 
-#include <filesystem>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 inline const PunctualLight kDefaultSun = sun_light(glm::vec3(0.6f, 0.6f, 0.3f), 6.0f);
@@ -41,19 +38,4 @@ inline std::vector<PunctualLight> choose_lights(const Options& options, const Sc
     if (options.sun || lights.empty()) { lights.push_back(options.sun.value_or(kDefaultSun)); }
     lights.insert(lights.end(), options.points.begin(), options.points.end());
     return lights;
-}
-
-// ---- Files ------------------------------------------------------------------------------------------------
-
-inline void check_file(const std::string& path) {
-    const std::filesystem::path directory = std::filesystem::path(path).parent_path();
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) { throw std::runtime_error("\"" + path + "\" is a directory"); }
-    if (!directory.empty() && !std::filesystem::is_directory(directory, error)) {
-        throw std::runtime_error("there is no directory \"" + directory.string() + "\"");
-    }
-}
-
-inline void require_written(bool written, const std::string& path) {
-    if (!written) { throw std::runtime_error("cannot write \"" + path + "\""); }
 }

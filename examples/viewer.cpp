@@ -6,6 +6,7 @@
 #include "deepgbuffer_gl.h"
 
 #include "image.hpp"
+#include "program.hpp"
 #include "render_scene.hpp"
 #include "scene_bake.hpp"
 #include "scene_renderer.hpp"
@@ -360,7 +361,8 @@ glm::ivec2 Viewer::picture_size() const {
     return size == glm::ivec2(0) ? size : glm::ivec2(std::max(int(std::lround(share * float(size.x))), 1), size.y);
 }
 
-// While the user pulls at the window's border, the pictures are stretched: new textures for each step would be too much.
+// While the user pulls at the window's border, the pictures are stretched: new textures for each step would be too
+// much.
 void Viewer::follow_size() {
     const glm::ivec2 size = picture_size();
     const double now = glfwGetTime();
@@ -504,11 +506,6 @@ void Viewer::take_screenshot() {
     } catch (const std::exception& error) { panel_.message = error.what(); }
 }
 
-void check_gl() {
-    const GLenum error = glGetError();
-    if (error != GL_NO_ERROR) { throw std::runtime_error("OpenGL reports error " + std::to_string(error)); }
-}
-
 void Viewer::run() {
     while (!window_.is_closed()) {
         handle(window_.poll());
@@ -526,27 +523,15 @@ void Viewer::run() {
     }
 }
 
-// The exit code.
-int run_command_line(int argc, char** argv) {
-    CLI::App app("Shows a scene with one layer beside two, and everything that can be chosen.");
-    try {
-        const ViewerOptions options = parse_viewer_options(&app, [=](CLI::App* words) { words->parse(argc, argv); });
-        if (!options.screenshot.empty()) { check_file(options.screenshot); }
-        Viewer(options).run();
-    } catch (const CLI::Success& success) {
-        app.exit(success); // prints the help
-    }
-    require_written(std::fflush(stdout) == 0, "the standard output");
-    return 0;
+void run(CLI::App* app, int argc, char** argv) {
+    const ViewerOptions options = parse_viewer_options(app, [=](CLI::App* words) { words->parse(argc, argv); });
+    if (!options.screenshot.empty()) { check_file(options.screenshot); }
+    Viewer(options).run();
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run_command_line(argc, argv);
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "viewer: %s\n", error.what());
-        return 2;
-    }
+    return run_program("viewer", "Shows a scene with one layer beside two, and everything that can be chosen.",
+                       [=](CLI::App* app) { run(app, argc, argv); });
 }

@@ -51,12 +51,10 @@ const std::array<Demo, 3> kDemos = {{
     {"halos",
      "gallery --camera=0.5,1.6,1,-4,1.5,-4,60 --effects ao --view ao --preset quality --ao-samples 40 --ao-radius 2.5",
      "Ambient visibility. One layer does not know the wall and the floor behind the sphere and the columns: what "
-     "stands "
-     "beside them turns bright, in a halo that follows the sphere. Tab compares."},
+     "stands beside them turns bright, in a halo that follows the sphere. Tab compares."},
     {"hidden light", "atrium --view irradiance --preset quality --sky 0.02,0.02,0.02 --exposure 0.5",
      "Bounced light. The drape on the left hides a sunlit green one, whose light is missing on balustrade and floor "
-     "with "
-     "one layer. Tab compares."},
+     "with one layer. Tab compares."},
     {"mirrors", "gallery --camera=0,1.7,3.2,1.9,1.65,-6,75 --effects ao,gi,glossy --preset quality --split 0.79",
      "The mirrors on the right show the pictures behind the columns. One layer does not have them: the sky shows "
      "instead. Tab compares."},

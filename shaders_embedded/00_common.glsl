@@ -60,6 +60,13 @@ float dgb_nearest(float x, int bits) {
 
 vec3 dgb_nearest(vec3 v) { return vec3(dgb_nearest(v.x, 6), dgb_nearest(v.y, 6), dgb_nearest(v.z, 5)); }
 
+vec4 dgb_dithered(vec4 x, vec4 u) {
+    uvec4 below  = 2u + uvec4(u * 8188.0);
+    vec4  coarse = uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u);
+    vec4  fine   = floor(x * 16777216.0 + vec4(below) / 8192.0) / 16777216.0;
+    return mix(fine, coarse, greaterThanEqual(abs(x), vec4(6.103515625e-5)));
+}
+
 int dgb_pixel_hash(ivec2 pixel, int frame) {
     uint h = uint(pixel.x) * 0x8da6b343u ^ uint(pixel.y) * 0xd8163841u;
     h      = (h ^ (h >> 16)) * 0x7feb352du;
@@ -160,6 +167,11 @@ vec2 dgb_centre(int layer, ivec2 pixel) {
 float dgb_pixels_per_metre(float z, dgb_camera camera) {
     float w = camera.footprint.y * z + camera.footprint.z;
     return w > 0.0 ? camera.footprint.x / w : 0.0;
+}
+
+// Pixels that a radius (m) covers at depth z, `most` of them at most.
+float dgb_reach(float z, float radius, float most, dgb_camera camera) {
+    return min(dgb_pixels_per_metre(z, camera) * radius, most);
 }
 
 bool dgb_keep_test(float z, float z_front, float separation) { return z_front != 0.0 && -z > -z_front + separation; }

@@ -1,8 +1,10 @@
 // Where a surface was last frame, and which texels of last frame show it (paper, section 3.3). Shared by pack,
 // temporal and glossy.
 
-const float DGB_LEAST_SHARE      = 0.05; // of the bilinear weights: with less there is no history
-const float DGB_LEAST_CONFIDENCE = 1.0 / 512.0; // half a tap of the most: light that none has found for long must not linger
+const float DGB_LEAST_SHARE = 0.05; // of the bilinear weights: with less there is no history
+
+// What makes an average of a sum whose weights add up to `share`: 0 where there is no history.
+float dgb_whole(float share) { return share > DGB_LEAST_SHARE ? 1.0 / share : 0.0; }
 
 struct dgb_reprojection {
     dgb_camera last;
@@ -81,3 +83,9 @@ vec4 dgb_last_irradiance_at(ivec2 texel, int layer) {
     return vec4(dgb_storable(e.rgb), e.a > 0.0 ? (e.a < 1.0 ? e.a : 1.0) : 0.0);
 }
 #endif
+
+// An average with last frame's, as it is stored. weight: of history; without it x is no average, and stays.
+vec4 dgb_averaged(vec4 x, float weight, ivec2 pixel, int frame) {
+    vec2 pair = dgb_pixel_pair(pixel, frame);
+    return weight > 0.0 ? dgb_dithered(x, fract(vec4(pair, pair + 0.5))) : x;
+}

@@ -47,7 +47,7 @@ bool dgb_within(vec4 theirs, vec4 ours, float radius) { return theirs.w <= ours.
 
 // Whether any second-layer surface lies within the radius, in depth and in the image, of any first-layer surface of the tile.
 bool dgb_second_matters(ivec2 tile, vec4 ours, float radius) {
-    float reach = min(dgb_pixels_per_metre(ours.x, dgb_tiles_camera) * radius, dgb_tiles_radius.z);
+    float reach = dgb_reach(ours.x, radius, dgb_tiles_radius.z, dgb_tiles_camera);
     float range = radius * 1.001; // rounding must not decide
     // a tap at MIP level m lies up to 2 * 2^m pixels off; it is 8 * 2^m away, or m is the least level
     float pixels = reach * 1.25 + 2.0 * dgb_tiles_radius.w + 1.0;

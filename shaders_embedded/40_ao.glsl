@@ -50,7 +50,7 @@ void main() {
     dgb_shaded s;
     s.pixel     = ivec2(gl_FragCoord.xy);
     float z     = texelFetch(dgb_z, s.pixel, 0).x;
-    float reach = min(dgb_pixels_per_metre(z, dgb_ao_camera) * dgb_ao_radius.x, dgb_ao_scale.z);
+    float reach = dgb_reach(z, dgb_ao_radius.x, dgb_ao_scale.z, dgb_ao_camera);
     s.x         = dgb_origin_at(gl_FragCoord.xy, z, dgb_ao_camera);
     s.n         = dgb_oct16_decode(texelFetch(dgb_normals, s.pixel, 0).xy);
     s.spiral    = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_ao_size);

@@ -99,10 +99,7 @@ dgb_sender dgb_sender_at(vec2 pixel, float z, vec2 normal, vec3 radiance, bool c
     return s;
 }
 
-// Pixels that the radius covers at z.
-float dgb_reach(float z) {
-    return min(dgb_pixels_per_metre(z, dgb_gather_camera) * dgb_gather_radius.x, dgb_gather_radius.w);
-}
+float dgb_gather_reach(float z) { return dgb_reach(z, dgb_gather_radius.x, dgb_gather_radius.w, dgb_gather_camera); }
 
 // taps: that lie within the receiver's own reach.
 vec4 dgb_irradiance(dgb_receiver r, float taps) {
@@ -147,7 +144,7 @@ void main() {
     vec2         z       = texelFetch(dgb_z, s.pixel, 0).xy;
     vec4         normals = texelFetch(dgb_normals, s.pixel, 0);
     dgb_receiver r0      = dgb_receiver_at(gl_FragCoord.xy, z.x, normals.xy), r1 = r0;
-    float        reach   = dgb_reach(z.x);
+    float        reach   = dgb_gather_reach(z.x);
     s.spiral             = dgb_spiral_at(gl_FragCoord.xy, reach, dgb_gather_size);
     int taps             = z.x > DGB_EMPTY_Z && reach > 0.0 ? dgb_gather_size.z : 0;
 #if DGB_LAYERS > 1
@@ -167,7 +164,7 @@ void main() {
     dgb_out_irradiance = dgb_irradiance(r0, float(taps));
 #if DGB_DEEP
     // taps go out evenly; those beyond the second layer's reach, which is shorter, could not have found anything for it
-    float within        = float(taps) * dgb_reach(z.y) / reach;
+    float within        = float(taps) * dgb_gather_reach(z.y) / reach;
     dgb_out_irradiance1 = taps > 0 && z.y > DGB_EMPTY_Z ? dgb_irradiance(r1, max(within, 1.0)) : vec4(0.0);
 #endif
 }

@@ -44,10 +44,11 @@ layout(location = 2) out vec4 dgb_out_bent;
 layout(location = 1) out vec4 dgb_out_bent;
 #endif
 
+// Averages over the texels that the surface was at; share: of the bilinear weights that these have, 0 where there is no history.
 struct dgb_history {
     float moved; // pixels since last frame
     vec4  irradiance;
-    float frames, share; // share: of the bilinear weights that the surface still has
+    float frames, share;
     float visibility, visibility_frames, visibility_share;
     vec4  bent; // with the visibility's frames and share
 };
@@ -85,6 +86,14 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
         texel        = clamp(texel, dgb_temporal_past.rect.xy, dgb_temporal_past.rect.zw);
         dgb_add_history(h, texel, dgb_past_layer(texel, past, dgb_temporal_past), weight.x * weight.y);
     }
+    float whole = dgb_whole(h.share), whole_visibility = dgb_whole(h.visibility_share);
+    h.share *= whole;
+    h.irradiance *= whole;
+    h.frames *= whole;
+    h.visibility_share *= whole_visibility;
+    h.visibility *= whole_visibility;
+    h.visibility_frames *= whole_visibility;
+    h.bent *= whole_visibility;
     return h;
 }
 
@@ -92,16 +101,6 @@ dgb_history dgb_history_of(int layer, ivec2 pixel, float z, vec2 normal) {
 float dgb_history_weight(float frames) { return min(frames / (frames + 1.0), dgb_temporal_weight.x); }
 
 float dgb_one_more(float frames) { return min(frames + 1.0, DGB_MOST_FRAMES); }
-
-// One of the two halves around each x, on average over u 0..1 x itself. Stores that always go the same way add up: with
-// a small share of each frame, an average stays where a frame moves it less than it rounds. weight: of history; without it x is no
-// average, and stays.
-vec4 dgb_dithered(vec4 x, float weight, ivec2 pixel) {
-    vec2  pair  = dgb_pixel_pair(pixel, int(dgb_temporal_weight.w));
-    uvec4 below = 2u + uvec4(fract(vec4(pair, pair + 0.5)) * 8188.0); // of 8192; what is a half but for a rounding remains one
-    bvec4 coarse = greaterThanEqual(abs(x), vec4(weight > 0.0 ? 6.103515625e-5 : 1e30)); // 2^-14
-    return mix(x, uintBitsToFloat((floatBitsToUint(x) + below) & 0xffffe000u), coarse);
-}
 
 #if DGB_LIMITED
 // What this frame found, of layer 0, of layer 1, or, for -1, of the visibility.
@@ -138,16 +137,14 @@ void dgb_limit(int of, ivec2 pixel, float moved, bool known, inout vec4 present,
 }
 #endif
 
-vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, inout dgb_history h) {
-    float share   = h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
-    vec4  present = dgb_weigh(raw), history = h.irradiance * share;
-    h.frames *= share;
+vec4 dgb_filtered(int layer, ivec2 pixel, vec4 raw, dgb_history h) {
+    vec4 present = dgb_weigh(raw);
 #if DGB_LIMITED
-    dgb_limit(layer, pixel, h.moved, share > 0.0, present, history);
+    dgb_limit(layer, pixel, h.moved, h.share > 0.0, present, h.irradiance);
 #endif
     float weight = dgb_history_weight(h.frames);
-    vec4  mean   = dgb_unweigh(mix(present, history, weight));
-    return mean.a > DGB_LEAST_CONFIDENCE ? dgb_dithered(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel) : vec4(0.0);
+    vec4  mean   = dgb_unweigh(mix(present, h.irradiance, weight));
+    return dgb_averaged(vec4(dgb_storable(mean.rgb), mean.a), weight, pixel, int(dgb_temporal_weight.w));
 }
 
 void main() {
@@ -161,24 +158,20 @@ void main() {
     vec4 raw           = texelFetch(dgb_irradiance_raw, pixel, 0);
     vec4 filtered      = dgb_filtered(0, pixel, raw, h);
     dgb_out_irradiance = z.x > DGB_EMPTY_Z ? filtered : raw;
-#else
-    h.frames *= h.share > DGB_LEAST_SHARE ? 1.0 / h.share : 0.0;
 #endif
 #if DGB_FILTER_AO
-    float share = h.visibility_share > DGB_LEAST_SHARE ? 1.0 / h.visibility_share : 0.0;
-    h.visibility_frames *= share;
-    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility * share);
+    vec4 open = vec4(texelFetch(dgb_ao_raw, pixel, 0).x), before = vec4(h.visibility);
 #if DGB_LIMITED
-    dgb_limit(-1, pixel, h.moved, share > 0.0, open, before);
+    dgb_limit(-1, pixel, h.moved, h.visibility_share > 0.0, open, before);
 #endif
     float weight = dgb_history_weight(h.visibility_frames);
-    open         = dgb_dithered(mix(open, before, weight), weight, pixel);
+    open         = dgb_averaged(mix(open, before, weight), weight, pixel, int(dgb_temporal_weight.w));
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.xy = vec2(open.x, dgb_one_more(h.visibility_frames));
 #endif
 #if DGB_BENT
     vec4 bent    = texelFetch(dgb_bent_raw, pixel, 0);
-    vec4 average = mix(bent, h.bent * share, weight);
-    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_dithered(average, weight, pixel) : bent;
+    vec4 average = mix(bent, h.bent, weight);
+    dgb_out_bent = z.x > DGB_EMPTY_Z ? dgb_averaged(average, weight, pixel, int(dgb_temporal_weight.w)) : bent;
 #endif
     if (z.x > DGB_EMPTY_Z) dgb_out_frames.z = dgb_one_more(h.frames);
 

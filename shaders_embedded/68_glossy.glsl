@@ -127,7 +127,7 @@ dgb_history dgb_history_at(dgb_past past) {
         h.weighed += weight * dgb_weigh(dgb_last_reflection_at(texel));
         h.frames += weight * 255.0 * texelFetch(dgb_last_reflection_frames, texel, 0).x;
     }
-    float whole = share > DGB_LEAST_SHARE ? 1.0 / share : 0.0;
+    float whole = dgb_whole(share);
     h.weighed *= whole;
     h.frames *= whole;
     return h;
@@ -161,10 +161,14 @@ void main() {
     dgb_mean mean  = dgb_mean_at(pixel, own);
 #if DGB_HISTORY
     dgb_history h  = dgb_usable_history(pixel, own, mean.way);
-    mean.weighed   = mix(mean.weighed, h.weighed, min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z));
+    float weight   = min(h.frames / (h.frames + 1.0), dgb_glossy_reach.z);
+    mean.weighed   = mix(mean.weighed, h.weighed, weight);
     dgb_out_frames = vec4(rough ? min(h.frames + 1.0, DGB_MOST_FRAMES) / 255.0 : 0.0);
 #endif
-    vec4 filtered      = dgb_unweigh(mean.weighed);
-    filtered           = filtered.a > DGB_LEAST_CONFIDENCE ? vec4(dgb_storable(filtered.rgb), filtered.a) : vec4(0.0);
+    vec4 filtered = dgb_unweigh(mean.weighed);
+    filtered.rgb  = dgb_storable(filtered.rgb);
+#if DGB_HISTORY
+    filtered = dgb_averaged(filtered, weight, pixel, dgb_glossy_size.y);
+#endif
     dgb_out_reflection = rough ? filtered : raw;
 }

@@ -1,6 +1,7 @@
 /* Frames through the record backend: which passes run, in what order, with what bound; life and death of all
    objects. */
 
+#include "numbers.h"
 #include "record_backend.h"
 
 #include <setjmp.h>
@@ -21,15 +22,6 @@ static bool makes_sense(uint32_t effects) {
     if ((effects & DGB_EFFECT_BOUNCES) && !(effects & DGB_EFFECT_RADIOSITY)) return false;
     if ((effects & DGB_EFFECT_GLOSSY) && !(effects & DGB_EFFECT_REFLECT)) return false;
     return (effects & (BOTH | DGB_EFFECT_GLOSSY)) || !(effects & DGB_EFFECT_TEMPORAL);
-}
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
 }
 
 /* >> fixture: a backend, a context, what was logged and what the draw callback was told */
@@ -642,10 +634,7 @@ static void run_and_check(model* m) {
 
 static uint32_t random_state;
 
-static double random_between(double low, double high) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return low + (high - low) * (double)(random_state >> 8) / 16777216.0;
-}
+static double random_between(double low, double high) { return low + (high - low) * lcg_unit(&random_state); }
 
 /* A random rotation, scaled along its own axes by 1 / spread to spread, and moved. */
 static void random_view(double spread, double reach, float view[16]) {

@@ -175,7 +175,7 @@ bool fuzz_check(fuzz_device* d, dgb_result result) {
 }
 
 bool fuzz_check_refusal(fuzz_device* d, dgb_result result, const dgb_context* before) {
-    if (result != DGB_OK && memcmp(&d->context, before, sizeof *before) != 0)
+    if (result != DGB_OK && !same_bits(&d->context, before, sizeof *before))
         fail_msg("%s, but the context has changed", dgb_result_name(result));
     return fuzz_check(d, result);
 }
@@ -204,8 +204,8 @@ dgb_result fuzz_layers(fuzz_device* d, const dgb_view* view, const dgb_params* p
     return dgb_build(&d->context, view, params, on_draw, d);
 }
 
-/* Uniform blocks hold floats and small integers: as bits, numbers up to 2^16 of either sign are no float that is not finite,
-   but for NaNs that no arithmetic makes. */
+/* Uniform blocks hold floats and small integers: as bits, numbers up to 2^16 of either sign are no float that is not
+   finite, but for NaNs that no arithmetic makes. */
 void fuzz_check_uniforms(fuzz_device* d) {
     int i;
     for (i = 0; i < d->r.uniform_count; ++i) {

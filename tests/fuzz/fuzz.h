@@ -4,6 +4,7 @@
 #ifndef FUZZ_H
 #define FUZZ_H
 
+#include "numbers.h"
 #include "record_backend.h"
 
 /* >> fields from bytes; after the last all are 0 */

@@ -56,7 +56,7 @@ static bool check_plan(fuzz_device* d, const dgb_desc* desc, dgb_plan* plan) {
         check_passes(plan);
         return true;
     }
-    if (memcmp(plan, &before, sizeof before) != 0) fail_msg("a refused desc has changed the plan");
+    if (!same_bits(plan, &before, sizeof before)) fail_msg("a refused desc has changed the plan");
     return false;
 }
 
@@ -96,7 +96,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     memcpy(&before, &d.context, sizeof before);
     if (fuzz_check_refusal(&d, dgb_init(&d.context, &desc), &before) != planned) fail_msg("plan and init disagree");
     if (planned) {
-        if (memcmp(&plan, &d.context.plan, sizeof plan) != 0) fail_msg("init follows another plan");
+        if (!same_bits(&plan, &d.context.plan, sizeof plan)) fail_msg("init follows another plan");
         run_frames(&d);
         memcpy(&before, &d.context, sizeof before);
         if (fuzz_check_refusal(&d, dgb_resize(&d.context, width, height), &before)) run_frames(&d);

@@ -1,5 +1,5 @@
-/* The mathematics with any bits: what comes out is what the header promises, and finite where it promises no NaN. Sizes, levels
-   and counts are those that a plan can have, except where the header says what others give. */
+/* The mathematics with any bits: what comes out is what the header promises, and finite where it promises no NaN.
+   Sizes, levels and counts are those that a plan can have, except where the header says what others give. */
 #include "fuzz.h"
 
 #include <setjmp.h>
@@ -102,7 +102,7 @@ static void cameras(fuzz_bytes* b) {
     memcpy(&before, &camera, sizeof before);
     dgb_widen_projection(view.projection, width, height, guard, view.jitter, widened);
     if (dgb_camera_from_matrix(widened, width + 2 * guard, height + 2 * guard, clip, reversed, &camera) != DGB_OK) {
-        if (memcmp(&camera, &before, sizeof camera) != 0) fail_msg("a refused matrix has changed the camera");
+        if (!same_bits(&camera, &before, sizeof camera)) fail_msg("a refused matrix has changed the camera");
         return;
     }
     all_finite(camera.linearise, 4, "linearise");

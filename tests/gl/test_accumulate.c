@@ -1,4 +1,5 @@
-/* Long averages: that they settle at the mean of what the frames find, from wherever they start, and what limits them. */
+/* Long averages: that they settle at the mean of what the frames find, from wherever they start, and what limits
+   them. */
 #include "gl_images.h"
 #include "tally.h"
 
@@ -20,21 +21,12 @@ static fixture f;
 
 /* >> scene: a wall with raised squares that glow, before another wall */
 
-typedef struct scene {
-    images m;
-    dgb_context c;
-    dgb_view view;
-    dgb_params params;
-} scene;
-
-static scene open_scene(uint32_t effects, float velocity) {
+static stage open_stage(uint32_t effects, float velocity) {
     static const float n[3] = {0.0f, 0.0f, 1.0f};
-    scene s;
+    stage s;
     dgb_desc d;
     int x, y, layer;
-    memset(&s, 0, sizeof s);
-    s.m = images_open(WIDTH, HEIGHT);
-    s.view = images_view(&s.m, 0);
+    stage_init(&s, WIDTH, HEIGHT, 0);
     s.params = dgb_preset(DGB_PRESET_BALANCED);
     s.params.ao_min_level = s.params.min_level = 0;
     s.params.normal_test = false; /* or squares that all face the eye would send nothing to each other */
@@ -47,36 +39,20 @@ static scene open_scene(uint32_t effects, float velocity) {
                 images_at(&s.m, IMAGE_RADIANCE, layer, x, y)[1] = 1.0f;
                 images_at(&s.m, IMAGE_VELOCITY, layer, x, y)[0] = velocity;
             }
-    d = images_desc(&s.m, 0, 2, effects, &f.gl.backend);
+    d = images_desc(&f, &s.m, 0, 2, effects);
     d.estimator = DGB_ESTIMATOR_BITMASK;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
 
-static void close_scene(scene* s) {
-    dgb_shutdown(&s->c);
-    images_close(&s->m);
-}
-
-static void shade(scene* s) {
-    const dgb_layers layers = images_upload(&s->m);
-    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
-    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
-}
-
-static float* read_image(const scene* s, dgb_slot slot, int channels) {
-    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, WIDTH, HEIGHT, 0, channels == 1 ? GL_RED : GL_RGBA,
-                        channels);
-}
+static void shade(stage* s) { assert_int_equal(stage_shade(s), DGB_OK); }
 
 /* The same value in every texel, as the last frame's. */
-static void plant(const scene* s, dgb_slot slot, const float texel[4]) {
+static void plant(const stage* s, dgb_slot slot, const float texel[4]) {
     static float texels[PIXELS][4];
     int i;
     for (i = 0; i < PIXELS; ++i) memcpy(texels[i], texel, sizeof texels[i]);
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&s->c, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_FLOAT, texels);
-    glBindTexture(GL_TEXTURE_2D, 0);
+    fixture_put_image(&s->c, slot, 4, texels[0]);
 }
 
 /* >> what a long average comes to */
@@ -87,7 +63,8 @@ typedef struct settled {
 } settled;
 
 static void settle(settled* out, int frames, const float start[4], const float light[4]) {
-    scene s = open_scene(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, 0.0f);
+    const int averaged = frames / 2; /* the last */
+    stage s = open_stage(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, 0.0f);
     float *open, *mean;
     int frame, i;
     memset(out, 0, sizeof *out);
@@ -96,23 +73,23 @@ static void settle(settled* out, int frames, const float start[4], const float l
     if (start) plant(&s, DGB_FRAMES, start), plant(&s, DGB_IRRADIANCE_MEAN, light);
     for (frame = 0; frame < frames; ++frame) {
         shade(&s);
-        if (frame < frames / 2) continue;
-        open = read_image(&s, DGB_AO_RAW, 1);
-        mean = read_image(&s, DGB_IRRADIANCE_RAW, 4);
+        if (frame < frames - averaged) continue;
+        open = fixture_image(&s.c, DGB_AO_RAW, 0, 1);
+        mean = fixture_image(&s.c, DGB_IRRADIANCE_RAW, 0, 4);
         for (i = 0; i < PIXELS; ++i) {
-            out->raw_open[i] += (double)open[i] / (frames - frames / 2);
-            out->raw_light[i] += (double)mean[4 * i] * (double)mean[4 * i + 3] / (frames - frames / 2);
+            out->raw_open[i] += (double)open[i] / averaged;
+            out->raw_light[i] += (double)mean[4 * i] * (double)mean[4 * i + 3] / averaged;
         }
         free(open), free(mean);
     }
-    open = read_image(&s, DGB_FRAMES, 4);
-    mean = read_image(&s, DGB_IRRADIANCE_MEAN, 4);
+    open = fixture_image(&s.c, DGB_FRAMES, 0, 4);
+    mean = fixture_image(&s.c, DGB_IRRADIANCE_MEAN, 0, 4);
     for (i = 0; i < PIXELS; ++i) {
         out->open[i] = (double)open[4 * i];
         out->light[i] = (double)mean[4 * i] * (double)mean[4 * i + 3];
     }
     free(open), free(mean);
-    close_scene(&s);
+    stage_close(&s);
 }
 
 static double mean_of(const double* values) {
@@ -130,8 +107,9 @@ static double apart(const double* a, const double* b) {
     return sqrt(sum / PIXELS) / mean_of(b);
 }
 
-/* 0.98^400 is 3e-4: of the start, three times as bright as the picture at most, 1e-3 remains. The image's mean, of 1536 pixels with
-   an average of 100 frames each, is known to 2e-3; what a store rounds away, were it always the same, would be 1.2 %. */
+/* 0.98^400 is 3e-4: of the start, three times as bright as the picture at most, 1e-3 remains. The image's mean, of 1536
+   pixels with an average of 100 frames each, is known to 2e-3; what a store rounds away, were it always the same, would
+   be 1.2 %. */
 static void test_any_start_settles(void** state) {
     static const float dark[4] = {0.0f, 1000.0f, 1000.0f, 0.0f}, none[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     static const float open[4] = {1.0f, 1000.0f, 1000.0f, 0.0f}, bright[4] = {20.0f, 20.0f, 0.0f, 1.0f};
@@ -153,10 +131,36 @@ static void test_any_start_settles(void** state) {
     assert_true(apart(low.light, fresh.light) < 0.01 && apart(high.light, fresh.light) < 0.01);
 }
 
+/* Where no frame has found any light for long, the first that does shows it, though with little confidence. */
+static void test_light_that_comes_late(void** state) {
+    static const float frames[4] = {1.0f, 1000.0f, 1000.0f, 1000.0f}, none[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    stage s = open_stage(DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, 0.0f);
+    float *raw, *mean;
+    int i, k, lit = 0;
+    (void)state;
+    s.params.history_weight = 0.999f;
+    shade(&s);
+    plant(&s, DGB_FRAMES, frames), plant(&s, DGB_IRRADIANCE_MEAN, none);
+    shade(&s);
+    raw = fixture_image(&s.c, DGB_IRRADIANCE_RAW, 0, 4);
+    mean = fixture_image(&s.c, DGB_IRRADIANCE_MEAN, 0, 4);
+    for (i = 0; i < PIXELS; ++i) {
+        if (raw[4 * i + 3] < 0.01f) continue; /* so little that of a thousandth halves do not tell more than a tenth */
+        ++lit;
+        assert_true(fabsf(mean[4 * i + 3] / raw[4 * i + 3] - 0.001f) < 1e-4f);
+        for (k = 0; k < 3; ++k) /* stored twice */
+            assert_true(fabs((double)mean[4 * i + k] - (double)raw[4 * i + k]) <=
+                        2.0 * tally_half_ulp((double)raw[4 * i + k]));
+    }
+    assert_true(lit > PIXELS / 4);
+    free(raw), free(mean);
+    stage_close(&s);
+}
+
 /* Frames are counted to 1000, which is more than the greatest weight takes. */
 static void test_most_frames(void** state) {
     static const float near_end[4] = {1.0f, 998.0f, 998.0f, 998.0f};
-    scene s = open_scene(ALL, 0.0f);
+    stage s = open_stage(ALL, 0.0f);
     int frame, i, k;
     (void)state;
     shade(&s);
@@ -165,12 +169,12 @@ static void test_most_frames(void** state) {
         const float expected = frame < 2 ? 999.0f + (float)frame : 1000.0f;
         float* frames;
         shade(&s);
-        frames = read_image(&s, DGB_FRAMES, 4);
+        frames = fixture_image(&s.c, DGB_FRAMES, 0, 4);
         for (i = 0; i < PIXELS; ++i)
             for (k = 1; k < 4; ++k) assert_true(frames[4 * i + k] == expected);
         free(frames);
     }
-    close_scene(&s);
+    stage_close(&s);
 }
 
 /* >> limits */
@@ -193,7 +197,7 @@ static double brightest(const double rgb[4]) { return fmax(rgb[0], fmax(rgb[1], 
 static int clamp(int x, int high) { return x < 0 ? 0 : x > high ? high : x; }
 
 /* As dgb_params says it, in double precision. */
-static limited limit(const scene* s, const float* raw, int channels, int x, int y, double moved) {
+static limited limit(const stage* s, const float* raw, int channels, int x, int y, double moved) {
     double sum[4] = {0.0}, squares[4] = {0.0}, others[4], most;
     limited l;
     int i, k;
@@ -217,12 +221,12 @@ static limited limit(const scene* s, const float* raw, int channels, int x, int 
     return l;
 }
 
-/* Wherever history is known, which near the squares' borders it is not once they move. Stored as halves, with sums of nine and
-   differences of squares behind them: 1e-3 where a deviation is much less than its mean. */
-static void compare_limited(const scene* s, dgb_slot raw_slot, dgb_slot mean_slot, int counter, double moved) {
+/* Wherever history is known, which near the squares' borders it is not once they move. Stored as halves, with sums of
+   nine and differences of squares behind them: 1e-3 where a deviation is much less than its mean. */
+static void compare_limited(const stage* s, dgb_slot raw_slot, dgb_slot mean_slot, int counter, double moved) {
     const int channels = raw_slot == DGB_AO_RAW ? 1 : 4;
-    float *raw = read_image(s, raw_slot, channels), *mean = read_image(s, mean_slot, 4),
-          *frames = read_image(s, DGB_FRAMES, 4);
+    float *raw = fixture_image(&s->c, raw_slot, 0, channels), *mean = fixture_image(&s->c, mean_slot, 0, 4),
+          *frames = fixture_image(&s->c, DGB_FRAMES, 0, 4);
     int x, y, k, compared = 0;
     for (y = 0; y < HEIGHT; ++y)
         for (x = 0; x < WIDTH; ++x) {
@@ -252,7 +256,7 @@ static void test_limits(void** state) {
     (void)state;
     for (move = 0; move < sizeof moves / sizeof moves[0]; ++move)
         for (i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-            scene s = open_scene(ALL, moves[move]);
+            stage s = open_stage(ALL, moves[move]);
             shade(&s);
             plant(&s, DGB_FRAMES, planted_frames);
             plant(&s, DGB_IRRADIANCE_MEAN, planted);
@@ -263,25 +267,25 @@ static void test_limits(void** state) {
             compare_limited(&s, DGB_AO_RAW, DGB_FRAMES, 1, (double)moves[move]);
             compare_limited(&s, DGB_IRRADIANCE_RAW, DGB_IRRADIANCE_MEAN, 2, (double)moves[move]);
             compare_limited(&s, DGB_IRRADIANCE1_RAW, DGB_IRRADIANCE1_MEAN, 3, (double)moves[move]);
-            close_scene(&s);
+            stage_close(&s);
         }
 }
 
 /* Without limits the other program does not run: the same to the last bit as with limits that nothing reaches. */
 static void test_wide_limits_change_nothing(void** state) {
-    scene a = open_scene(ALL, 1.0f), b = open_scene(ALL, 1.0f);
+    stage a = open_stage(ALL, 1.0f), b = open_stage(ALL, 1.0f);
     const dgb_slot slots[] = {DGB_FRAMES, DGB_IRRADIANCE_MEAN, DGB_IRRADIANCE1_MEAN};
     int frame, slot;
     (void)state;
     b.params.sample_clamp = 1e30f;
     for (frame = 0; frame < 3; ++frame) shade(&a), shade(&b);
     for (slot = 0; slot < 3; ++slot) {
-        float *x = read_image(&a, slots[slot], 4), *y = read_image(&b, slots[slot], 4);
+        float *x = fixture_image(&a.c, slots[slot], 0, 4), *y = fixture_image(&b.c, slots[slot], 0, 4);
         assert_memory_equal(x, y, sizeof *x * 4 * PIXELS);
         free(x), free(y);
     }
-    close_scene(&a);
-    close_scene(&b);
+    stage_close(&a);
+    stage_close(&b);
 }
 
 FIXTURE_CONTEXT(f, 4, 5, false)
@@ -289,6 +293,7 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_any_start_settles),
+        cmocka_unit_test(test_light_that_comes_late),
         cmocka_unit_test(test_most_frames),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_wide_limits_change_nothing),

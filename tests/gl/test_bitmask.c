@@ -55,15 +55,8 @@ static double meet(const pane* p, const double from[3], const double way[3]) {
     return t > 0.0 && a >= 0.0 && a < 1.0 && b >= 0.0 && b < 1.0 ? t : 0.0;
 }
 
-typedef struct scene {
-    images m;
-    dgb_context c;
-    dgb_view view;
-    dgb_params params;
-} scene;
-
 /* Direction of a pixel's ray, z -1. */
-static void ray_of(const scene* s, int x, int y, double way[3]) {
+static void ray_of(const stage* s, int x, int y, double way[3]) {
     const float* p = s->view.projection;
     way[0] = (2.0 * (x + 0.5) / s->m.width - 1.0) / (double)p[0];
     way[1] = (2.0 * (y + 0.5) / s->m.height - 1.0) / (double)p[5];
@@ -71,7 +64,7 @@ static void ray_of(const scene* s, int x, int y, double way[3]) {
 }
 
 /* Panes have right angles. The second layer is the first pane that is met beyond the separation behind the nearest. */
-static void trace(scene* s, const pane* panes, int count) {
+static void trace(stage* s, const pane* panes, int count) {
     static const double eye[3] = {0.0, 0.0, 0.0};
     int x, y, i, layer;
     for (y = 0; y < s->m.height; ++y)
@@ -94,47 +87,30 @@ static void trace(scene* s, const pane* panes, int count) {
         }
 }
 
-static scene open_scene(int width, int height, int layers, uint32_t effects, dgb_estimator estimator) {
-    scene s;
+static stage open_stage(int width, int height, int layers, uint32_t effects, dgb_estimator estimator) {
+    stage s;
     dgb_desc d;
-    memset(&s, 0, sizeof s);
-    s.m = images_open(width, height);
-    s.view = images_view(&s.m, 0);
-    s.params = dgb_preset(DGB_PRESET_QUALITY);
+    stage_init(&s, width, height, 0);
     s.params.min_level = 0;
-    d = images_desc(&s.m, 0, layers, effects, &f.gl.backend);
+    d = images_desc(&f, &s.m, 0, layers, effects);
     d.estimator = estimator;
     d.thickness = thickness_from;
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
 
-static void close_scene(scene* s) {
-    dgb_shutdown(&s->c);
-    images_close(&s->m);
-}
+static void shade(stage* s) { assert_int_equal(stage_shade(s), DGB_OK); }
 
-static void shade(scene* s) {
-    const dgb_layers layers = images_upload(&s->m);
-    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
-    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
-}
-
-static float* read_image(const scene* s, dgb_slot slot, int channels) {
-    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, s->c.plan.width, s->c.plan.height, 0,
-                        channels == 1 ? GL_RED : GL_RGBA, channels);
-}
-
-/* Raw results, a mean over so many frames, which all take other slices and steps. Irradiance is that which arrives: times
-   its confidence. Caller frees. */
-static double* mean_of(scene* s, dgb_slot slot, int frames) {
+/* Raw results, a mean over so many frames, which all take other slices and steps. Irradiance is that which arrives:
+   times its confidence. Caller frees. */
+static double* mean_of(stage* s, dgb_slot slot, int frames) {
     const int pixels = s->m.width * s->m.height, channels = slot == DGB_AO_RAW ? 1 : 4;
     double* mean = (double*)calloc((size_t)pixels, sizeof *mean);
     int i, frame;
     for (frame = 0; frame < frames; ++frame) {
         float* image;
         shade(s);
-        image = read_image(s, slot, channels);
+        image = fixture_image(&s->c, slot, 0, channels);
         for (i = 0; i < pixels; ++i)
             mean[i] += (double)(channels == 1 ? image[i] : image[4 * i] * image[4 * i + 3]) / frames;
         free(image);
@@ -143,7 +119,7 @@ static double* mean_of(scene* s, dgb_slot slot, int frames) {
 }
 
 /* The pixel's point on a pane. */
-static void point_on(const scene* s, const pane* p, int x, int y, double point[3]) {
+static void point_on(const stage* s, const pane* p, int x, int y, double point[3]) {
     static const double eye[3] = {0.0, 0.0, 0.0};
     double t;
     int k;
@@ -153,8 +129,8 @@ static void point_on(const scene* s, const pane* p, int x, int y, double point[3
     for (k = 0; k < 3; ++k) point[k] *= t;
 }
 
-/* What a body hides, that stands behind a pane that is parallel to the image: all that the eye would see through it, so many
-   metres deep. */
+/* What a body hides, that stands behind a pane that is parallel to the image: all that the eye would see through it, so
+   many metres deep. */
 typedef struct body {
     const pane* front;
     double thickness;
@@ -206,9 +182,9 @@ static double form_factor(const double x[3], const double n[3], const pane* p) {
 
 /* >> nothing in the way */
 
-/* Planes of all tilts: nothing hides anything. A frame has two half planes of 32 sectors, and one that lies nearly across the
-   normal may be hidden as a whole, by the error of the Oct16 normal, up to 0.96 degrees: 1/2, in two of 16 frames at most.
-   On average over the image that is next to nothing. */
+/* Planes of all tilts: nothing hides anything. A frame has two half planes of 32 sectors, and one that lies nearly
+   across the normal may be hidden as a whole, by the error of the Oct16 normal, up to 0.96 degrees: 1/2, in two of 16
+   frames at most. On average over the image that is next to nothing. */
 static void test_planes_are_open(void** state) {
     static const double tilts[] = {0.0, 0.4, 0.8, 1.1, 1.3};
     size_t i;
@@ -220,7 +196,7 @@ static void test_planes_are_open(void** state) {
             /* the normal, and two sides of a pane so large that the eye sees nothing else */
             const double n[3] = {sin(a) * cos(b), sin(a) * sin(b), cos(a)};
             pane p = {{0.0, 0.0, -4.0}, {-sin(b), cos(b), 0.0}, {0.0, 0.0, 0.0}, 0.0};
-            scene s = open_scene(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL,
+            stage s = open_stage(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL,
                                  DGB_ESTIMATOR_BITMASK);
             double *open, *light, sum = 0.0, least = 1.0, most = 0.0;
             int count = 0;
@@ -240,13 +216,13 @@ static void test_planes_are_open(void** state) {
             assert_true(sum / count > 0.999);
             free(open);
             free(light);
-            close_scene(&s);
+            stage_close(&s);
         }
 }
 
 /* >> visibility beside bodies of known shape */
 
-static void put_backs(scene* s, const body* bodies, int count) {
+static void put_backs(stage* s, const body* bodies, int count) {
     static const double eye[3] = {0.0, 0.0, 0.0};
     int x, y, i;
     for (y = 0; y < s->m.height; ++y)
@@ -259,15 +235,15 @@ static void put_backs(scene* s, const body* bodies, int count) {
             }
 }
 
-/* A wall that faces the eye at 5 m, panes before it. Compared at pixels of the middle row that see the wall, averaged over frames.
-   The bounds: the panes' borders are known to half a pixel, 2 cm, of a hemisphere of 0.6 to 1.5 m; a step up to 16 pixels
-   away is of one pixel, and farther ones of two and four. Over all pixels half of that cancels. */
+/* A wall that faces the eye at 5 m, panes before it. Compared at pixels of the middle row that see the wall, averaged
+   over frames. The bounds: the panes' borders are known to half a pixel, 2 cm, of a hemisphere of 0.6 to 1.5 m; a step
+   up to 16 pixels away is of one pixel, and farther ones of two and four. Over all pixels half of that cancels. */
 static void check_bodies(const char* name, int layers, const body* bodies, int count, float thickness, double bound,
                          double mean_bound) {
     static const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
     const double radius = 1.5;
     pane all[4];
-    scene s = open_scene(193, 145, layers, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    stage s = open_stage(193, 145, layers, DGB_EFFECT_AO | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
     double *open, worst = 0.0, sum = 0.0;
     int x, i, compared = 0, hidden = 0;
     for (i = 0; i < count; ++i) all[i] = *bodies[i].front;
@@ -293,12 +269,12 @@ static void check_bodies(const char* name, int layers, const body* bodies, int c
     assert_true(compared >= 10 && hidden >= 4);
     assert_true(worst < bound && fabs(sum / compared) < mean_bound);
     free(open);
-    close_scene(&s);
+    stage_close(&s);
 }
 
 static void test_bodies(void** state) {
-    /* 0.6 m before the wall, from a little to the right of the middle on; and 0.6 m before that, one that hides it and one that
-       does not hide its border */
+    /* 0.6 m before the wall, from a little to the right of the middle on; and 0.6 m before that, one that hides it and
+       one that does not hide its border */
     static const pane panes[] = {{{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
                                  {{0.3, -3.0, -3.8}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
                                  {{0.4, -2.0, -3.8}, {2.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, 0.0}};
@@ -311,8 +287,42 @@ static void test_bodies(void** state) {
     check_bodies("thicker than the way to the second layer", 2, ended, 2, 2.0f, 0.03, 0.01);
 }
 
-/* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its back is drawn,
-   but for a quarter of the most, and goes as far as the second layer at the latest, which is the wall. */
+/* A pane stands on a wall, so wide that it nears the eye, in steps so long that its plane goes on along them beyond every radius. From
+   the wall it is seen no higher than the radius above it: at a distance d from it, a slice towards it has at most r^2 / (r^2 + d^2) of
+   its cosine-weighted share below. A frame has one such slice, and one away from it. The line of sight, about which slices turn, is
+   off the wall's normal by up to 12 degrees, and sectors are 1/64 of the whole: 0.05. */
+static void test_nothing_reaches_beyond_the_radius(void** state) {
+    static const pane panes[] = {{{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0},
+                                 {{0.4, -3.0, -5.0}, {0.0, 0.0, 4.0}, {0.0, 6.0, 0.0}, 0.0}};
+    stage s = open_stage(193, 145, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    double worst = -1.0;
+    int frame, x, y, hit = 0;
+    (void)state;
+    s.params.radius = 1.5f;
+    s.params.samples = 2;
+    trace(&s, panes, 2);
+    for (frame = 0; frame < 16; ++frame) {
+        float* light;
+        shade(&s);
+        light = fixture_image(&s.c, DGB_IRRADIANCE_RAW, 0, 4);
+        for (y = 50; y < 95; ++y)
+            for (x = 70; x < 90; ++x) { /* 0.3 to 0.98 of the radius from it */
+                double point[3], hidden = (double)light[4 * (y * 193 + x) + 3], d;
+                point_on(&s, &panes[0], x, y, point);
+                d = (0.4 - point[0]) / 1.5;
+                hit += hidden > 0.1;
+                worst = fmax(worst, hidden - 0.5 / (1.0 + d * d));
+            }
+        free(light);
+    }
+    print_message("beside a pane: hidden %d times, %+.4f more than its height at most\n", hit, worst);
+    assert_true(hit > 100 && worst < 0.05);
+    stage_close(&s);
+}
+
+/* A slab that is taken to be 0.6 m thick at most is that without anything to end it, is as thick as it is where its
+   back is drawn, but for a quarter of the most, and goes as far as the second layer at the latest, which is the
+   wall. */
 static void test_thickness(void** state) {
     static const pane front = {{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0};
     static const struct {
@@ -343,7 +353,7 @@ static void test_back_of_a_lamp(void** state) {
     int normal_test, i;
     (void)state;
     for (normal_test = 0; normal_test < 2; ++normal_test) {
-        scene s = open_scene(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+        stage s = open_stage(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
         double *light, sum = 0.0;
         s.params.normal_test = normal_test != 0;
         s.params.radius = 2.0f;
@@ -353,7 +363,7 @@ static void test_back_of_a_lamp(void** state) {
         if (normal_test) assert_true(sum == 0.0);
         if (!normal_test) assert_true(sum > 100.0); /* nobody asked which way it faces */
         free(light);
-        close_scene(&s);
+        stage_close(&s);
     }
 }
 
@@ -373,7 +383,7 @@ static void true_bent(const double x[3], const body* b, double radius, double be
 }
 
 /* A turn of the world: its rows are the camera's axes. */
-static void turn_view(scene* s, float turned[3][3]) {
+static void turn_view(stage* s, float turned[3][3]) {
     static const float rows[3][3] = {{0.36f, 0.48f, -0.8f}, {-0.8f, 0.6f, 0.0f}, {0.48f, 0.64f, 0.6f}};
     int i, k;
     memcpy(turned, rows, sizeof rows);
@@ -385,7 +395,7 @@ static void turn_view(scene* s, float turned[3][3]) {
 static void test_open_is_the_normal(void** state) {
     const dgb_slot slots[] = {DGB_BENT_RAW, DGB_BENT_MEAN, DGB_BENT};
     const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
-    scene s = open_scene(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    stage s = open_stage(97, 71, 2, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
     float rows[3][3];
     int slot, i, k;
     (void)state;
@@ -393,23 +403,23 @@ static void test_open_is_the_normal(void** state) {
     trace(&s, &wall, 1);
     for (i = 0; i < 3; ++i) shade(&s);
     for (slot = 0; slot < 3; ++slot) {
-        float* bent = read_image(&s, slots[slot], 4);
+        float* bent = fixture_image(&s.c, slots[slot], 0, 4);
         for (i = 0; i < 97 * 71; ++i) {
             for (k = 0; k < 3; ++k) assert_true(fabsf(bent[4 * i + k] - 2.0f / 3.0f * rows[2][k]) < 1e-3f);
             assert_true(bent[4 * i + 3] == 1.0f);
         }
         free(bent);
     }
-    close_scene(&s);
+    stage_close(&s);
 }
 
-/* Beside the bodies of test_bodies, an average of so many frames against rays; bounds as there. The filter of one tap hands on what
-   the temporal filter has, and sky is open to nowhere. */
+/* Beside the bodies of test_bodies, an average of so many frames against rays; bounds as there. The filter of one tap
+   hands on what the temporal filter has, and sky is open to nowhere. */
 static void test_bent_beside_a_body(void** state) {
     static const pane panes[] = {{{0.4, -3.0, -4.4}, {3.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, 0.0},
                                  {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 52.0, 0.0}, 0.0}};
     static const body thick = {&panes[0], 0.4};
-    scene s = open_scene(193, 145, 1, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    stage s = open_stage(193, 145, 1, DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
     float rows[3][3], *bent, *mean, *frames;
     double worst = 0.0, sum[3] = {0.0, 0.0, 0.0}, aside = 0.0;
     int x, i, k, frame, compared = 0;
@@ -422,9 +432,9 @@ static void test_bent_beside_a_body(void** state) {
     s.params.history_weight = 0.98f;
     trace(&s, panes, 2);
     for (frame = 0; frame < 64; ++frame) shade(&s);
-    bent = read_image(&s, DGB_BENT, 4);
-    mean = read_image(&s, DGB_BENT_MEAN, 4);
-    frames = read_image(&s, DGB_FRAMES, 4);
+    bent = fixture_image(&s.c, DGB_BENT, 0, 4);
+    mean = fixture_image(&s.c, DGB_BENT_MEAN, 0, 4);
+    frames = fixture_image(&s.c, DGB_FRAMES, 0, 4);
     for (i = 0; i < 4 * 193 * 145; ++i) assert_true(fabsf(bent[i] - mean[i]) <= 1e-3f);
     for (k = 0; k < 4; ++k) assert_true(bent[4 * (144 * 193 + 10) + k] == (k < 3 ? 0.0f : 1.0f));
     for (x = 50; x < 143; x += 4) {
@@ -449,7 +459,7 @@ static void test_bent_beside_a_body(void** state) {
     assert_true(worst < 0.03);
     for (i = 0; i < 3; ++i) assert_true(fabs(sum[i] / compared) < 0.01);
     free(bent), free(mean), free(frames);
-    close_scene(&s);
+    stage_close(&s);
 }
 
 /* >> light */
@@ -457,11 +467,11 @@ static void test_bent_beside_a_body(void** state) {
 static const pane ground = {{-50.0, -1.0, -0.5}, {100.0, 0.0, 0.0}, {0.0, 0.0, -5.5}, 0.0};
 static const double up[3] = {0.0, 1.0, 0.0};
 
-/* A glowing wall stands on black ground: what arrives is its form factor. The bounds: the wall's foot and borders are known to
-   half a pixel, up to 3 cm where points are 0.5 m away, and what is seen of it stands for its step. */
+/* A glowing wall stands on black ground: what arrives is its form factor. The bounds: the wall's foot and borders are
+   known to half a pixel, up to 3 cm where points are 0.5 m away, and what is seen of it stands for its step. */
 static void test_glowing_wall(void** state) {
     const pane panes[] = {ground, {{-1.5, -1.0, -6.0}, {3.0, 0.0, 0.0}, {0.0, 2.5, 0.0}, 2.0}};
-    scene s = open_scene(193, 145, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
+    stage s = open_stage(193, 145, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, DGB_ESTIMATOR_BITMASK);
     double *light, worst = 0.0, sum = 0.0;
     int x, y, compared = 0;
     (void)state;
@@ -483,7 +493,7 @@ static void test_glowing_wall(void** state) {
                   sum / compared);
     assert_true(worst < 0.08 && fabs(sum / compared) < 0.02);
     free(light);
-    close_scene(&s);
+    stage_close(&s);
 }
 
 /* A lamp behind a black wall, in the second layer, which the ground before the wall cannot see. */
@@ -491,7 +501,7 @@ static double light_of_hidden_lamp(dgb_estimator estimator) {
     const pane panes[] = {ground,
                           {{-4.0, -1.0, -5.0}, {8.0, 0.0, 0.0}, {0.0, 0.8, 0.0}, 0.0},
                           {{-1.0, -1.0, -5.8}, {2.0, 0.0, 0.0}, {0.0, 0.4, 0.0}, 10.0}};
-    scene s = open_scene(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, estimator);
+    stage s = open_stage(193, 145, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL, estimator);
     double *light, sum = 0.0;
     int x, y, count = 0, lit = 0;
     s.params.radius = 3.0f;
@@ -503,7 +513,7 @@ static double light_of_hidden_lamp(dgb_estimator estimator) {
     for (y = 30; y < 45; ++y)
         for (x = 80; x < 113; ++x) sum += light[y * 193 + x], ++count;
     free(light);
-    close_scene(&s);
+    stage_close(&s);
     return sum / count;
 }
 
@@ -518,7 +528,7 @@ static void test_hidden_lamp(void** state) {
 
 /* >> any image */
 
-static void fill_at_random(scene* s, uint32_t seed) {
+static void fill_at_random(stage* s, uint32_t seed) {
     int layer, x, y, k;
     for (layer = 0; layer < 2; ++layer)
         for (y = 0; y < s->m.height; ++y)
@@ -533,12 +543,12 @@ static void fill_at_random(scene* s, uint32_t seed) {
             }
 }
 
-/* Whatever is there: visibility and confidence in 0..1, never more light than the brightest sender would send from everywhere,
-   all finite, the same frame for frame without TEMPORAL, and the same with tiles that are left out. */
+/* Whatever is there: visibility and confidence in 0..1, never more light than the brightest sender would send from
+   everywhere, all finite, the same frame for frame without TEMPORAL, and the same with tiles that are left out. */
 static void check_any(int width, int height, int layers, uint32_t effects, uint32_t seed) {
     const dgb_slot slots[] = {DGB_AO_RAW, DGB_IRRADIANCE_RAW, DGB_IRRADIANCE1_RAW};
     const bool averaged = (effects & DGB_EFFECT_TEMPORAL) != 0;
-    scene s = open_scene(width, height, layers, effects, DGB_ESTIMATOR_BITMASK);
+    stage s = open_stage(width, height, layers, effects, DGB_ESTIMATOR_BITMASK);
     float* first[3] = {NULL, NULL, NULL};
     int frame, i, k;
     fill_at_random(&s, seed);
@@ -552,7 +562,7 @@ static void check_any(int width, int height, int layers, uint32_t effects, uint3
             const int channels = k ? 4 : 1, count = width * height * channels;
             float* image;
             if (!dgb_get_texture(&s.c, slots[k]).id) continue;
-            image = read_image(&s, slots[k], channels);
+            image = fixture_image(&s.c, slots[k], 0, channels);
             for (i = 0; i < count; ++i) {
                 const double most = k && i % 4 < 3 ? 4.0 * PI * 1.001 : 1.0; /* an ulp of a half */
                 assert_true((double)image[i] >= 0.0 && (double)image[i] <= most);
@@ -563,7 +573,7 @@ static void check_any(int width, int height, int layers, uint32_t effects, uint3
         }
     }
     for (k = 0; k < 3; ++k) free(first[k]);
-    close_scene(&s);
+    stage_close(&s);
 }
 
 static void test_any_image(void** state) {
@@ -584,11 +594,17 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_open_is_the_normal), cmocka_unit_test(test_bent_beside_a_body),
-        cmocka_unit_test(test_planes_are_open),    cmocka_unit_test(test_bodies),
-        cmocka_unit_test(test_thickness),          cmocka_unit_test(test_glowing_wall),
-        cmocka_unit_test(test_back_of_a_lamp),     cmocka_unit_test(test_hidden_lamp),
-        cmocka_unit_test(test_any_image),          cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_open_is_the_normal),
+        cmocka_unit_test(test_bent_beside_a_body),
+        cmocka_unit_test(test_planes_are_open),
+        cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_nothing_reaches_beyond_the_radius),
+        cmocka_unit_test(test_thickness),
+        cmocka_unit_test(test_glowing_wall),
+        cmocka_unit_test(test_back_of_a_lamp),
+        cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_any_image),
+        cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("bitmask", tests, open_context, close_context);
 }

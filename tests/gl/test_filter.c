@@ -1,4 +1,5 @@
-/* Reconstruction of both layers: what it must keep, what it must not mix. The light that it finds is made up texel by texel. */
+/* Reconstruction of both layers: what it must keep, what it must not mix. The light that it finds is made up texel by
+   texel. */
 #include "gl_images.h"
 #include "reference.h"
 #include "tally.h"
@@ -22,17 +23,11 @@ static struct {
     const float *ao, *light[2];
 } planted;
 
-static void replace(dgb_slot slot, GLenum format, const float* texels) {
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(planted.c, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, planted.c->plan.width, planted.c->plan.height, format, GL_FLOAT, texels);
-    glBindTexture(GL_TEXTURE_2D, 0);
-}
-
 static dgb_result planting_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->id == DGB_PASS_RECONSTRUCT && planted.c) {
-        replace(DGB_AO_RAW, GL_RED, planted.ao);
-        replace(DGB_IRRADIANCE_RAW, GL_RGBA, planted.light[0]);
-        replace(DGB_IRRADIANCE1_RAW, GL_RGBA, planted.light[1]);
+        fixture_put_image(planted.c, DGB_AO_RAW, 1, planted.ao);
+        fixture_put_image(planted.c, DGB_IRRADIANCE_RAW, 4, planted.light[0]);
+        fixture_put_image(planted.c, DGB_IRRADIANCE1_RAW, 4, planted.light[1]);
         planted.c = NULL;
     }
     return f.gl.backend.pass_begin(user, pass);
@@ -78,22 +73,16 @@ static void close_bench(bench* b) {
     images_close(&b->m);
 }
 
-static float* read_image(const bench* b, const dgb_context* c, dgb_slot slot, GLenum format, int channels) {
-    return fixture_read(dgb_get_texture(c, slot), 0, 0, b->m.width, b->m.height, 0, format, channels);
-}
-
 static void read_results(bench* b, const dgb_context* c) {
     static const float* const nothing[2] = {NULL, NULL};
-    int i;
     free_results(b);
-    b->ao_out = read_image(b, c, DGB_AO, GL_RED, 1);
+    b->ao_out = fixture_image(c, DGB_AO, 0, 1);
     b->half[0] = fixture_read_half(dgb_get_texture(c, DGB_HALF), b->m.width, b->m.height, NULL);
     b->half[1] = fixture_read_half(dgb_get_texture(c, DGB_HALF1), b->m.width, b->m.height, NULL);
-    b->out[0] = read_image(b, c, DGB_IRRADIANCE, GL_RGBA, 4);
-    b->out[1] = read_image(b, c, DGB_IRRADIANCE1, GL_RGBA, 4);
-    b->z = read_image(b, c, DGB_Z, GL_RG, 2);
-    b->normals = read_image(b, c, DGB_NORMALS, GL_RGBA, 4);
-    for (i = 0; i < 2 * b->m.width * b->m.height; ++i) b->z[i] = b->z[i] == DGB_EMPTY_Z ? 0.0f : b->z[i];
+    b->out[0] = fixture_image(c, DGB_IRRADIANCE, 0, 4);
+    b->out[1] = fixture_image(c, DGB_IRRADIANCE1, 0, 4);
+    b->z = fixture_z(c, 0);
+    b->normals = fixture_image(c, DGB_NORMALS, 0, 4);
     reference_open(&b->r, c, b->z, b->normals, nothing);
 }
 
@@ -102,11 +91,11 @@ static void filter(bench* b) {
     dgb_desc d;
     dgb_view view = images_view(&b->m, b->guard);
     const dgb_layers layers = images_upload(&b->m);
-    const int inset = b->guard - (int)floorf((float)b->guard * b->params.guard_fraction + 0.5f);
     dgb_context c;
     int i;
     hooked.pass_begin = planting_pass_begin;
-    d = images_desc(&b->m, b->guard, 2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES, &hooked);
+    d = images_desc(&f, &b->m, b->guard, 2, DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES);
+    d.backend = &hooked;
     for (i = 0; i < 2; ++i) view.projection[5 * i] *= (float)b->zoom;
     assert_int_equal(dgb_init(&c, &d), DGB_OK);
     assert_int_equal(dgb_set_layers(&c, &view, &layers), DGB_OK);
@@ -115,9 +104,7 @@ static void filter(bench* b) {
     for (i = 0; i < 2; ++i) planted.light[i] = b->light[i];
     assert_int_equal(dgb_shade(&c, &b->params), DGB_OK);
     assert_null(planted.c);
-    b->rect[0] = b->rect[1] = inset;
-    b->rect[2] = b->m.width - inset - 1;
-    b->rect[3] = b->m.height - inset - 1;
+    fixture_shaded_rect(&c, &b->params, b->rect);
     read_results(b, &c);
     dgb_shutdown(&c);
 }
@@ -254,9 +241,9 @@ static double halo(double gap, int taps, int step, int axis) {
     return most;
 }
 
-/* A neighbour i pixels away and `gap` metres behind weighs max(0, 1 - 2 gap / sqrt(gap^2 + (i p)^2))^2, p metres a pixel: it
-   weighs nothing as long as i p < sqrt(3) gap. Here p is 3.8 cm and less, and 18 pixels are no more than 0.7 m: nothing crosses a gap of
-   half a metre, for which the paper's separation stands. */
+/* A neighbour i pixels away and `gap` metres behind weighs max(0, 1 - 2 gap / sqrt(gap^2 + (i p)^2))^2, p metres a
+   pixel: it weighs nothing as long as i p < sqrt(3) gap. Here p is 3.8 cm and less, and 18 pixels are no more than 0.7
+   m: nothing crosses a gap of half a metre, for which the paper's separation stands. */
 static void test_no_halo(void** state) {
     int taps, step, axis;
     (void)state;
@@ -302,10 +289,10 @@ static void test_no_halo_around_corners(void** state) {
 
 /* >> planes */
 
-/* On a plane a neighbour to the left weighs what one to the right weighs: both lie in the same line through the centre. So a
-   constant stays, and away from the border a ramp does: to an ulp of a half a pass, and what the roundings of depth (2^-23 of
-   the distance, over the distance of neighbours) make the weights differ by, that is 1/1000 of the ramp's rise over the
-   filter's reach. */
+/* On a plane a neighbour to the left weighs what one to the right weighs: both lie in the same line through the centre.
+   So a constant stays, and away from the border a ramp does: to an ulp of a half a pass, and what the roundings of
+   depth (2^-23 of the distance, over the distance of neighbours) make the weights differ by, that is 1/1000 of the
+   ramp's rise over the filter's reach. */
 static void check_plane(int k) {
     const double tilt = 0.055 * k, turn = 2.4 * k;
     const double n[3] = {sin(tilt) * cos(turn), sin(tilt) * sin(turn), cos(tilt)};

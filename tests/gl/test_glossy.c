@@ -1,5 +1,7 @@
-/* Glossy reflections: a floor of any roughness that mirrors a wall, against the integral over its lobe in double precision. */
+/* Glossy reflections: a floor of any roughness that mirrors a wall, against the integral over its lobe in double
+   precision. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -23,16 +25,6 @@ static const double pi = 3.14159265358979323846;
 /* >> the scene: a floor, and a wall that faces the eye; the camera looks down -Z from the origin of its own space */
 
 static const double floor_y = -1.2, wall_z = -10.0;
-
-typedef struct stage {
-    images m;
-    GLuint roughness_texture;
-    float* roughness; /* a texel */
-    dgb_context c;
-    dgb_view view;
-    dgb_params params;
-    int guard;
-} stage;
 
 enum { WIDTH = 96, HEIGHT = 64, COUNT = WIDTH * HEIGHT };
 
@@ -80,57 +72,28 @@ static void put_scene(stage* s) {
 
 static void set_roughness(stage* s, float roughness) {
     int i;
-    for (i = 0; i < s->m.width * s->m.height; ++i) s->roughness[i] = roughness;
+    for (i = 0; i < s->m.width * s->m.height; ++i) s->m.roughness[i] = roughness;
 }
 
 static stage open_stage(uint32_t effects, int layers, int guard) {
     stage s;
     dgb_desc d;
-    memset(&s, 0, sizeof s);
-    s.guard = guard;
-    s.m = images_open(WIDTH + 2 * guard, HEIGHT + 2 * guard);
-    s.view = images_view(&s.m, guard);
-    s.roughness = (float*)calloc((size_t)(s.m.width * s.m.height), sizeof(float));
-    glGenTextures(1, &s.roughness_texture);
-    s.params = dgb_preset(DGB_PRESET_QUALITY);
+    stage_init(&s, WIDTH + 2 * guard, HEIGHT + 2 * guard, guard);
     s.params.reflect_stride = 1;
     s.params.reflect_border = 0.0f;
     s.params.reflect_steps = 4096;
     s.params.reflect_distance = 100.0f;
-    d = images_desc(&s.m, guard, layers, effects, &f.gl.backend);
+    d = images_desc(&f, &s.m, guard, layers, effects);
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     put_scene(&s);
     return s;
 }
 
-static void close_stage(stage* s) {
-    dgb_shutdown(&s->c);
-    images_close(&s->m);
-    glDeleteTextures(1, &s->roughness_texture);
-    free(s->roughness);
-}
-
-static dgb_layers upload(stage* s) {
-    dgb_layers layers = images_upload(&s->m);
-    glBindTexture(GL_TEXTURE_2D, s->roughness_texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, s->m.width, s->m.height, 0, GL_RED, GL_FLOAT, s->roughness);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glBindTexture(GL_TEXTURE_2D, 0);
-    layers.roughness = dgbgl_texture(s->roughness_texture);
-    return layers;
-}
-
 static void shade(stage* s) { assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK); }
 
-static void show(stage* s) {
-    const dgb_layers layers = upload(s);
-    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
-    shade(s);
-}
+static void show(stage* s) { assert_int_equal(stage_shade(s), DGB_OK); }
 
-static float* read_slot(const stage* s, dgb_slot slot) {
-    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, s->m.width, s->m.height, 0, GL_RGBA, 4);
-}
+static float* read_slot(const stage* s, dgb_slot slot) { return fixture_image(&s->c, slot, 0, 4); }
 
 /* A pixel of the image, not of the guard band, that shows the floor. */
 static bool is_floor_at(const stage* s, int at) {
@@ -180,13 +143,13 @@ static void test_mirror(void** state) {
     for (layers = 1; layers <= 2; ++layers)
         for (i = 0; i < 3; ++i) {
             stage a = open_stage(i == 2 ? MIRROR | OTHERS : MIRROR, layers, 5), b = open_stage(with[i], layers, 5);
-            for (at = 0; at < b.m.width * b.m.height; ++at) b.roughness[at] = none[at % 5];
+            for (at = 0; at < b.m.width * b.m.height; ++at) b.m.roughness[at] = none[at % 5];
             for (frame = 0; frame < 3; ++frame) {
                 show(&a), show(&b);
                 check_same(&a, &b, DGB_REFLECTION, 4);
                 check_same(&a, &b, DGB_REFLECTION_HIT, 2);
             }
-            close_stage(&a), close_stage(&b);
+            stage_close(&a), stage_close(&b);
         }
 }
 
@@ -196,17 +159,17 @@ static void test_mirror_among_others(void** state) {
     int frame, at, rough = 0;
     float *x, *y;
     (void)state;
-    for (at = 0; at < COUNT; ++at) b.roughness[at] = (at ^ at / WIDTH) & 1 ? 0.5f : 0.0f;
+    for (at = 0; at < COUNT; ++at) b.m.roughness[at] = (at ^ at / WIDTH) & 1 ? 0.5f : 0.0f;
     for (frame = 0; frame < 4; ++frame) show(&a), show(&b);
     x = read_slot(&a, DGB_REFLECTION), y = read_slot(&b, DGB_REFLECTION);
     for (at = 0; at < COUNT; ++at) {
-        const bool same = memcmp(x + 4 * at, y + 4 * at, 4 * sizeof *x) == 0;
-        if (b.roughness[at] == 0.0f) assert_true(same);
+        const bool same = same_bits(x + 4 * at, y + 4 * at, 4 * sizeof *x);
+        if (b.m.roughness[at] == 0.0f) assert_true(same);
         rough += !same;
     }
     assert_true(rough > 500);
     free(x), free(y);
-    close_stage(&a), close_stage(&b);
+    stage_close(&a), stage_close(&b);
 }
 
 /* More than 1 is 1. */
@@ -220,12 +183,13 @@ static void test_roughest(void** state) {
         show(&a), show(&b);
         check_same(&a, &b, DGB_REFLECTION, 4);
     }
-    close_stage(&a), close_stage(&b);
+    stage_close(&a), stage_close(&b);
 }
 
 /* >> furnace */
 
-/* Where all that is mirrored is equally bright, so is every lobe: the weights of rays, of neighbours and of frames add up. */
+/* Where all that is mirrored is equally bright, so is every lobe: the weights of rays, of neighbours and of frames add
+   up. */
 static void test_furnace(void** state) {
     static const float roughnesses[] = {0.02f, 0.1f, 0.3f, 0.6f, 1.0f};
     static const float light[3] = {0.75f, 4.0f, 0.0f};
@@ -244,12 +208,13 @@ static void test_furnace(void** state) {
         for (at = 0; at < s.m.width * s.m.height; ++at) {
             if (!in_image(&s, at) || r[4 * at + 3] == 0.0f) continue;
             ++hits;
-            /* a device that truncates loses a half's last bit a frame, and history keeps 85 % of what was lost: 1 / 0.15 */
+            /* a device that truncates loses a half's last bit a frame, and history keeps 85 % of what was lost: 1 /
+               0.15 */
             for (k = 0; k < 3; ++k) assert_true(fabsf(r[4 * at + k] - light[k]) <= 7.0f * light[k] / 1024.0f);
         }
         assert_true(hits > 1500);
         free(r);
-        close_stage(&s);
+        stage_close(&s);
     }
 }
 
@@ -261,8 +226,8 @@ typedef struct lobe {
     double weighed[3], confidence; /* radiance times confidence */
 } lobe;
 
-/* Over the microfacets that a pixel of the floor shows; a hit counts if it lies `inset` pixels within the buffer. The variables
-   of tests/unit/test_ggx.c: share = v.h / cos * 2 s ds dphi / 2 pi, brought to 1. */
+/* Over the microfacets that a pixel of the floor shows; a hit counts if it lies `inset` pixels within the buffer. The
+   variables of tests/unit/test_ggx.c: share = v.h / cos * 2 s ds dphi / 2 pi, brought to 1. */
 static lobe integrate(const stage* s, int px, int py, double alpha, double inset) {
     lobe sum = {{0.0, 0.0, 0.0}, 0.0};
     double x[3], v[3], length, total = 0.0;
@@ -328,11 +293,11 @@ static void average(stage* s, int frames, mean* raw, mean* final) {
     }
 }
 
-/* The tests' tolerances, in order: a hit lies up to 1.5 pixels beside where the ray meets the wall (test_reflect.c), so hits within
-   that of the border may count or not, and show a radiance so far beside; the stored radiance of a hit is rounded to 7 bits
-   (2^-8, on average less); five standard errors of the mean, as if rays were independent: the sequence does better. An average
-   of frames is not: with history's weight w the mean of so many varies sqrt((1 + w) / (1 - w)) as much as of independent ones.
-   A ratio of few rays is biased, by 2 % on average here: bias. */
+/* The tests' tolerances, in order: a hit lies up to 1.5 pixels beside where the ray meets the wall (test_reflect.c), so
+   hits within that of the border may count or not, and show a radiance so far beside; the stored radiance of a hit is
+   rounded to 7 bits (2^-8, on average less); five standard errors of the mean, as if rays were independent: the
+   sequence does better. An average of frames is not: with history's weight w the mean of so many varies sqrt((1 + w) /
+   (1 - w)) as much as of independent ones. A ratio of few rays is biased, by 2 % on average here: bias. */
 static bool is_near(const stage* s, const mean* m, int at, int k, const lobe* low, const lobe* high, double bias) {
     const double metre = 10.0 / (0.5 * HEIGHT * (double)s->view.projection[5]); /* a pixel on the wall */
     const double slope = k == 0 ? 0.25 : k == 1 ? 0.4 : 0.0, average_of = m->sum[at][k] / FRAMES;
@@ -385,7 +350,7 @@ static void check_lobe(float roughness, double bias) {
     assert_true(pixels > 50);
     assert_int_equal(off, 0);
     assert_int_equal(off_final, 0);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_lobe(void** state) {
@@ -398,7 +363,8 @@ static void test_lobe(void** state) {
 
 /* >> frames */
 
-/* RMS deviation of the green of the floor's pixels from what it should be, in the lower half of the image, where all is seen. */
+/* RMS deviation of the green of the floor's pixels from what it should be, in the lower half of the image, where all is
+   seen. */
 static double noise(stage* s, const mean* expected) {
     float* r = read_slot(s, DGB_REFLECTION);
     double sum = 0.0;
@@ -414,8 +380,9 @@ static double noise(stage* s, const mean* expected) {
     return sqrt(sum / count);
 }
 
-/* One ray; with neighbours; with history; with more. Of independent samples, 9 leave a third of the noise and a history of weight w
-   sqrt((1 - w) / (1 + w)): 0.28, 0.13. Neighbours overlap, and lobes differ, so that a half is asked of each. */
+/* One ray; with neighbours; with history; with more. Of independent samples, 9 leave a third of the noise and a history
+   of weight w sqrt((1 - w) / (1 + w)): 0.28, 0.13. Neighbours overlap, and lobes differ, so that a half is asked of
+   each. */
 static void test_noise(void** state) {
     static mean raw, final;
     stage s = open_stage(OVER_TIME, 1, 0);
@@ -440,7 +407,7 @@ static void test_noise(void** state) {
     assert_true(neighbours < 0.5 * alone);
     assert_true(history < 0.5 * neighbours);
     assert_true(more < history);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* The least and the most frames that the pixels of the floor have averaged. */
@@ -480,10 +447,11 @@ static void test_history_ends(void** state) {
     s.params.reflect_thickness = 0.25f, show(&s), check_frames(&s, 1);
     s.params.separation = 0.25f, show(&s), check_frames(&s, 1);
     show(&s), check_frames(&s, 2);
-    close_stage(&s);
+    stage_close(&s);
 }
 
-/* A camera that moves along x sees the same floor and the same wall; their velocity in pixels is that of their distance. */
+/* A camera that moves along x sees the same floor and the same wall; their velocity in pixels is that of their
+   distance. */
 static void move(stage* s, float step) {
     int px, py;
     s->view.view[12] -= step;
@@ -496,7 +464,8 @@ static void move(stage* s, float step) {
         }
 }
 
-/* A sharp image slides over its surface when the camera moves, and its history is of other things; a blurred one stays. */
+/* A sharp image slides over its surface when the camera moves, and its history is of other things; a blurred one
+   stays. */
 static void test_sliding(void** state) {
     stage s = open_stage(OVER_TIME, 1, 0);
     int least, most, frame;
@@ -517,7 +486,7 @@ static void test_sliding(void** state) {
     count_frames(&s, &least, &most);
     printf("# roughness 0.9: %d to %d in motion\n", least, most);
     assert_true(most == 9); /* the border comes into view */
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void fill_slot(const stage* s, dgb_slot slot, float value) {
@@ -525,9 +494,7 @@ static void fill_slot(const stage* s, dgb_slot slot, float value) {
     float* texels = (float*)malloc((size_t)count * sizeof *texels);
     int i;
     for (i = 0; i < count; ++i) texels[i] = value;
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&s->c, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, s->m.width, s->m.height, GL_RGBA, GL_FLOAT, texels);
-    glBindTexture(GL_TEXTURE_2D, 0);
+    fixture_put_image(&s->c, slot, 4, texels);
     free(texels);
 }
 
@@ -554,7 +521,7 @@ static void test_heals(void** state) {
         assert_true(hits > 500);
         free(r), free(raw);
     }
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* >> layers that the library has built */
@@ -567,19 +534,20 @@ static void upload_array(const stage* s, dgb_slot slot, GLenum format, const flo
 
 static void draw_nothing(void* user, const dgb_draw* draw) { (void)user, (void)draw; }
 
-/* The same images as an engine's own layers and in the library's arrays, roughness in the blue of DGB_NORMAL: the same result. */
+/* The same images as an engine's own layers and in the library's arrays, roughness in the blue of DGB_NORMAL: the same
+   result. */
 static void test_built_layers(void** state) {
     stage a = open_stage(GLOSSY, 1, 3), b;
     const int count = a.m.width * a.m.height;
-    float* normals = (float*)calloc((size_t)(4 * count), sizeof *normals);
-    dgb_desc d = images_desc(&a.m, 3, 1, GLOSSY, &f.gl.backend);
+    float* normals = (float*)calloc((size_t)count, 4 * sizeof *normals);
+    dgb_desc d = images_desc(&f, &a.m, 3, 1, GLOSSY);
     int i;
     (void)state;
     for (i = 0; i < count; ++i) {
         const uint16_t code = dgb_oct16_encode(a.m.texels[IMAGE_NORMAL][0] + 3 * i);
         normals[4 * i] = (float)(code & 255) / 255.0f, normals[4 * i + 1] = (float)(code >> 8) / 255.0f;
-        normals[4 * i + 2] = a.roughness[i] = i % 3 ? 1.0f : 0.0f; /* the same in a byte */
-        normals[4 * i + 3] = 0.5f;                                 /* the engine's own */
+        normals[4 * i + 2] = a.m.roughness[i] = i % 3 ? 1.0f : 0.0f; /* the same in a byte */
+        normals[4 * i + 3] = 0.5f;                                   /* the engine's own */
         dgb_r11g11b10f_unpack(dgb_r11g11b10f_pack(a.m.texels[IMAGE_RADIANCE][0] + 3 * i),
                               a.m.texels[IMAGE_RADIANCE][0] + 3 * i);
     }
@@ -594,18 +562,13 @@ static void test_built_layers(void** state) {
     check_same(&a, &b, DGB_REFLECTION, 4);
     check_same(&a, &b, DGB_REFLECTION_HIT, 4);
     dgb_shutdown(&b.c);
-    close_stage(&a);
+    stage_close(&a);
     free(normals);
 }
 
 /* >> what an engine may hand over */
 
 static uint32_t random_state = 1u;
-
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
 
 static void test_any_input(void** state) {
     stage s = open_stage(OVER_TIME, 2, 2);
@@ -615,11 +578,11 @@ static void test_any_input(void** state) {
         float* r;
         put_scene(&s);
         for (i = 0; i < s.m.width * s.m.height; ++i) {
-            const uint32_t bits = random_bits() ^ random_bits() << 16;
-            memcpy(&s.roughness[i], &bits, sizeof bits);
-            if (i % 3) s.roughness[i] = (float)(bits >> 8) / 16777216.0f;
+            const uint32_t bits = lcg_bits(&random_state) ^ lcg_bits(&random_state) << 16;
+            memcpy(&s.m.roughness[i], &bits, sizeof bits);
+            if (i % 3) s.m.roughness[i] = (float)(bits >> 8) / 16777216.0f;
             for (kind = 0; kind < IMAGE_KINDS; ++kind) /* one texel in 32 is anything */
-                if (random_bits() >> 16 < 2048u) memcpy(&s.m.texels[kind][frame % 2][i], &bits, sizeof bits);
+                if (lcg_bits(&random_state) >> 16 < 2048u) memcpy(&s.m.texels[kind][frame % 2][i], &bits, sizeof bits);
         }
         s.params.glossy_taps = frame % 33;
         s.params.glossy_radius = frame % 5 ? 16.0f : frame % 2 ? 0.0f : 1e6f;
@@ -629,7 +592,7 @@ static void test_any_input(void** state) {
         check_range(&s, r);
         free(r);
     }
-    close_stage(&s);
+    stage_close(&s);
 }
 
 FIXTURE_CONTEXT(f, 4, 5, false)

@@ -1,6 +1,6 @@
-/* The library as a guest in an engine's context, on a real GL: whatever the engine left behind, the picture is the same, and
-   everything that can be queried is as it was. What textures held before they were written is seen nowhere. And where one call
-   fails, the library says so and goes on. */
+/* The library as a guest in an engine's context, on a real GL: whatever the engine left behind, the picture is the
+   same, and everything that can be queried is as it was. What textures held before they were written is seen nowhere.
+   And where one call fails, the library says so and goes on. */
 #include "gl_faults.h"
 #include "gl_fixture.h"
 #include "gl_session.h"
@@ -26,17 +26,12 @@ static bool is_full(void) { return getenv("DGB_FULL") != NULL; }
 static fixture f;
 
 static dgb_desc desc_of(dgb_oracle oracle, dgb_emission emission) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = WIDTH;
-    d.height = HEIGHT;
-    d.guard_band = GUARD;
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, WIDTH, HEIGHT, GUARD);
     d.effects = PAPER_EFFECTS;
     d.oracle = oracle;
     d.emission = emission;
     d.tracer = DGB_TRACER_HIERARCHICAL;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     return d;
 }
 
@@ -390,7 +385,8 @@ static bool is_drawn_to(GLuint texture, GLint low, GLint high) {
     return false;
 }
 
-/* A texture of its kind is there, whose levels are not drawn to. Full-screen passes only: peeling is the engine's draw. */
+/* A texture of its kind is there, whose levels are not drawn to. Full-screen passes only: peeling is the engine's
+   draw. */
 static void watch_sampler(GLint program, const char* name, GLenum type) {
     const bool array = type == GL_SAMPLER_2D_ARRAY || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY;
     const bool integer = type == GL_UNSIGNED_INT_SAMPLER_2D || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY;

@@ -1,6 +1,7 @@
-/* The hierarchical tracer: its ranges against those found texel by texel, and its reflections against the linear tracer's, bit
-   for bit. */
+/* The hierarchical tracer: its ranges against those found texel by texel, and its reflections against the linear
+   tracer's, bit for bit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,10 +16,7 @@ static fixture f;
 
 static uint32_t random_state = 1u;
 
-static double random_unit(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (double)(random_state >> 8) / 16777216.0;
-}
+static double random_unit(void) { return lcg_unit(&random_state); }
 
 static int random_below(int count) { return (int)(random_unit() * count); }
 
@@ -78,8 +76,8 @@ static void random_normal(float n[3]) { /* that faces the eye; of any length */
     if (n[2] < 0.0f) n[2] = -n[2];
 }
 
-/* A floor that rises into the distance, below a strip of sky, or what stands before it, `before` > 0 metres away, and what that
-   hides. */
+/* A floor that rises into the distance, below a strip of sky, or what stands before it, `before` > 0 metres away, and
+   what that hides. */
 static void put_texel(images* m, const camera* c, const dgb_view* view, int x, int y, double before, relief kind) {
     const double height = (y + 0.5) / m->height, floor = height > 0.9 ? 0.0 : 3.0 + 12.0 * height;
     const double behind = before + 0.6 + (kind == NOISE ? 4.0 * random_unit() : 0.0);
@@ -121,7 +119,7 @@ static void open_pair(pair* p, const camera* c, int width, int height, int guard
     p->layers = layers;
     p->view = view_of(c, width - 2 * guard, height - 2 * guard);
     for (tracer = 0; tracer < DGB_TRACER_COUNT; ++tracer) {
-        dgb_desc d = images_desc(&p->m, guard, layers, DGB_EFFECT_REFLECT, &f.gl.backend);
+        dgb_desc d = images_desc(&f, &p->m, guard, layers, DGB_EFFECT_REFLECT);
         d.reversed = c->reversed;
         d.clip = c->clip;
         d.tracer = (dgb_tracer)tracer;
@@ -137,7 +135,7 @@ static void close_pair(pair* p) {
 
 /* RGBA of one level from (first, first) on, as every version of GL can read it. */
 static float* read_level(dgb_texture texture, int level, int first, int width, int height) {
-    float* texels = (float*)malloc((size_t)width * (size_t)height * 4 * sizeof *texels);
+    float* texels = (float*)calloc((size_t)width * (size_t)height, 4 * sizeof *texels);
     GLuint framebuffer;
     glGenFramebuffers(1, &framebuffer);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
@@ -194,8 +192,8 @@ static dgb_params long_rays(void) {
     return q;
 }
 
-/* Every size, stride and thickness that meets cells and borders in another way. The last sizes are as wide as a cell of some
-   level, and a pixel more and less. */
+/* Every size, stride and thickness that meets cells and borders in another way. The last sizes are as wide as a cell of
+   some level, and a pixel more and less. */
 static void test_same_hits(void** state) {
     static const int sizes[][3] = {{1, 1, 0},   {1, 64, 0},  {37, 1, 0},  {2, 3, 0},    {5, 5, 0},   {63, 41, 0},
                                    {75, 53, 6}, {64, 64, 0}, {65, 33, 0}, {31, 127, 0}, {203, 97, 3}};
@@ -224,8 +222,8 @@ static void test_same_hits(void** state) {
     assert_true(hits[0] > 100000 && hits[1] > 10000);
 }
 
-/* A ray that runs out of steps within what could be skipped misses, as if every step had been tested; one step more, and it
-   hits where it did. */
+/* A ray that runs out of steps within what could be skipped misses, as if every step had been tested; one step more,
+   and it hits where it did. */
 static void test_same_exhaustion(void** state) {
     dgb_params q = long_rays();
     int steps, before = 0, layers;
@@ -246,7 +244,8 @@ static void test_same_exhaustion(void** state) {
     }
 }
 
-/* Mirrors in whose plane the eye all but lies: rays follow the surface, the row or the column of cells, for a long way. */
+/* Mirrors in whose plane the eye all but lies: rays follow the surface, the row or the column of cells, for a long
+   way. */
 static void test_same_grazing(void** state) {
     static const float normals[][3] = {{0.0f, 1.0f, 0.02f}, {1.0f, 0.0f, 0.02f}, {0.0f, 1.0f, 0.0f},
                                        {-1.0f, 0.0f, 0.0f}, {0.7f, 0.7f, 0.05f}, {0.0f, 0.7f, 0.7f}};
@@ -310,16 +309,13 @@ static double share_of_equal_lengths(const dgb_context* a, const dgb_context* b)
 
 static void test_built_layers(void** state) {
     static const dgb_format formats[] = {DGB_FORMAT_D32F, DGB_FORMAT_D24, DGB_FORMAT_D16};
-    dgb_desc d;
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, 141, 95, 5);
     dgb_context whole[2];
     int reference[2] = {0, 0}, divisor;
     size_t i;
     (void)state;
-    memset(&d, 0, sizeof d);
-    d.width = 141, d.height = 95, d.guard_band = 5;
     d.effects = DGB_EFFECT_REFLECT;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     build_room(whole, d, reference);
     for (divisor = 1; divisor <= 4; divisor *= 2)
         for (i = 0; i < sizeof formats / sizeof formats[0]; ++i) {
@@ -334,7 +330,8 @@ static void test_built_layers(void** state) {
             printf("# divisor %d, %s: %d + %d hits, %.4f as far away\n", divisor, dgb_format_name(formats[i]), hits[0],
                    hits[1], equal);
             assert_true(hits[0] > 4000 && hits[1] > 500);
-            /* rounded depth moves a hit a pixel on where a ray grazes, a coarser second layer caps thickness elsewhere */
+            /* rounded depth moves a hit a pixel on where a ray grazes, a coarser second layer caps thickness
+               elsewhere */
             assert_true(equal > 0.99);
             dgb_shutdown(&c[0]), dgb_shutdown(&c[1]);
         }

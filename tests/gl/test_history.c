@@ -32,9 +32,9 @@ typedef struct how {
     dgb_format depth_format;
     fixture_view view; /* of frame 0 */
     float step[3], turn, zoom,
-        shake;   /* of the camera a frame: m, radians, degrees of the field of view, pixels of jitter */
-    float walk;  /* of the box a frame, m */
-    float scale; /* of the whole world; 0: 1, and the scene's own radiance */
+        shake;  /* of the camera a frame: m, radians, degrees of the field of view, pixels of jitter */
+    float walk; /* of the box a frame, m */
+    const float* uniform_radiance; /* every texel's, null: the scene's */
     dgb_params params;
 } how;
 
@@ -83,20 +83,12 @@ static how still_how(void) {
 }
 
 static dgb_desc desc_of(const how* h) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = h->width;
-    d.height = h->height;
-    d.guard_band = h->guard;
+    dgb_desc d = fixture_desc(&f, &h->view, h->width, h->height, h->guard);
     d.layers = h->layers;
     d.divisor = h->divisor;
     d.effects = h->effects;
     d.oracle = h->oracle;
     d.depth_format = h->depth_format;
-    d.clip = h->view.clip;
-    d.reversed = h->view.reversed;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     if (h->engine) {
         d.source = DGB_SOURCE_ENGINE;
         d.normals = DGB_NORMALS_OCT16;
@@ -114,19 +106,14 @@ static bool is_offered(const how* h) {
 static float turn_of(int n, int axis) { return sinf((float)(n * (axis ? 3 : 2) + axis)); } /* no two frames alike */
 
 static dgb_view view_at(const how* h, int n) {
-    const float scale = h->scale > 0.0f ? h->scale : 1.0f;
     fixture_view v = h->view;
-    dgb_view view;
     int i;
     for (i = 0; i < 3; ++i) v.eye[i] += h->step[i] * (float)n;
     v.yaw += h->turn * (float)n;
     v.fov += h->zoom * (float)n;
     for (i = 0; i < 2; ++i) v.jitter[i] += h->shake * turn_of(n, i);
     for (i = 0; i < 4; ++i) f.offsets[i] = h->walk * (float)(n + i - 2);
-    v.near_plane *= scale, v.far_plane *= scale;
-    view = fixture_dgb_view(&v, h->width, h->height);
-    for (i = 0; i < 15; ++i) view.view[i] *= scale;
-    return view;
+    return fixture_dgb_view(&v, h->width, h->height);
 }
 
 /* Which frame is seen in frame n: with DELAY the one before, after the first. */
@@ -163,13 +150,6 @@ static const dgb_context* builder_of(const film* m) { return m->h.engine ? &m->e
 
 /* >> reading */
 
-static float* read_image(const dgb_context* c, dgb_slot slot, int level, int channels) {
-    static const GLenum formats[] = {GL_RED, GL_RED, GL_RG, GL_RGB, GL_RGBA};
-    if (!dgb_get_texture(c, slot).id) return NULL;
-    return fixture_read(dgb_get_texture(c, slot), level, 0, c->plan.width >> level, c->plan.height >> level, 0,
-                        formats[channels], channels);
-}
-
 /* What a layer holds at each pixel, though its texels may be larger. */
 static float* read_layer(const dgb_context* c, dgb_slot slot, int layer, GLenum format, int channels) {
     const int w = c->plan.width, h = c->plan.height, divisor = layer > 0 && c->desc.divisor ? c->desc.divisor : 1;
@@ -201,46 +181,33 @@ static float* read_velocity(const film* m, int layer, const float* albedo) {
     return velocity;
 }
 
-/* Packed z says DGB_EMPTY_Z where the reference says 0. */
-static void empty_to_zero(float* z, int count) {
-    int i;
-    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
-}
-
-static float* read_shaded(const dgb_context* c, dgb_slot slot, int channels) {
-    float* image = read_image(c, slot, 0, channels);
-    fixture_blank_unshaded(c, image, channels);
-    return image;
-}
-
 static void read_results(const dgb_context* c, frame* out) {
     static const dgb_slot raw[] = {DGB_IRRADIANCE_RAW, DGB_IRRADIANCE1_RAW},
                           mean[] = {DGB_IRRADIANCE_MEAN, DGB_IRRADIANCE1_MEAN}, half[] = {DGB_HALF, DGB_HALF1},
                           light[] = {DGB_IRRADIANCE, DGB_IRRADIANCE1};
     int l;
-    out->ao_raw = read_shaded(c, DGB_AO_RAW, 1);
-    out->frames = read_shaded(c, DGB_FRAMES, 4);
-    out->ao = read_shaded(c, DGB_AO, 1);
+    out->ao_raw = fixture_shaded(c, DGB_AO_RAW, 1);
+    out->frames = fixture_shaded(c, DGB_FRAMES, 4);
+    out->ao = fixture_shaded(c, DGB_AO, 1);
     for (l = 0; l < 2; ++l) {
-        out->raw[l] = read_shaded(c, raw[l], 4);
-        out->mean[l] = read_shaded(c, mean[l], 4);
+        out->raw[l] = fixture_shaded(c, raw[l], 4);
+        out->mean[l] = fixture_shaded(c, mean[l], 4);
         out->half[l] = fixture_read_half(dgb_get_texture(c, half[l]), c->plan.width, c->plan.height, NULL);
         fixture_blank_unshaded(c, out->half[l], 4);
-        out->light[l] = read_shaded(c, light[l], 4);
+        out->light[l] = fixture_shaded(c, light[l], 4);
     }
 }
 
 static void read_frame(const film* m, frame* out) {
     const dgb_context *c = &m->c, *b = builder_of(m);
-    const int layers = m->h.layers < 2 ? 1 : 2, texels = c->plan.width * c->plan.height;
+    const int layers = m->h.layers < 2 ? 1 : 2;
     int l;
     out->r.layers = layers;
     fixture_shaded_rect(c, &out->params, out->rect);
-    out->z = read_image(c, DGB_Z, 0, layers);
-    empty_to_zero(out->z, layers * texels);
-    out->normals = read_image(c, DGB_NORMALS, 0, 2 * layers);
+    out->z = fixture_z(c, 0);
+    out->normals = fixture_image(c, DGB_NORMALS, 0, 2 * layers);
     for (l = 0; l < layers; ++l) {
-        out->sent[l] = read_image(c, l ? DGB_B1 : DGB_B0, 0, 3);
+        out->sent[l] = fixture_image(c, l ? DGB_B1 : DGB_B0, 0, 3);
         out->radiance[l] = read_layer(b, DGB_RADIANCE, l, GL_RGB, 3);
         out->albedo[l] = read_layer(b, DGB_ALBEDO, l, GL_RGB, 3);
         out->velocity[l] = read_velocity(m, l, out->albedo[l]);
@@ -303,7 +270,6 @@ static void give_layers(film* m, const dgb_view* view) {
 }
 
 static void build_frame(film* m, bool cut) {
-    static const float light[3] = {1.0f, 0.25f, 6.0f};
     dgb_view view = view_at(&m->h, m->shot);
     fixture_draw_user user;
     memset(&user, 0, sizeof user);
@@ -313,8 +279,9 @@ static void build_frame(film* m, bool cut) {
     view.cut = cut;
     assert_int_equal(dgb_build(m->h.engine ? &m->engine : &m->c, &view, &m->h.params, fixture_draw, &user), DGB_OK);
     if (m->h.engine) give_layers(m, &view);
-    if (m->h.scale > 0.0f) /* the scene's own material knows lengths */
-        glClearTexImage(dgbgl_texture_name(dgb_get_texture(&m->c, DGB_RADIANCE)), 0, GL_RGB, GL_FLOAT, light);
+    if (m->h.uniform_radiance)
+        glClearTexImage(dgbgl_texture_name(dgb_get_texture(&m->c, DGB_RADIANCE)), 0, GL_RGB, GL_FLOAT,
+                        m->h.uniform_radiance);
 }
 
 static void shade_frame(film* m) { assert_int_equal(dgb_shade(&m->c, &m->h.params), DGB_OK); }
@@ -588,9 +555,11 @@ static void test_reference_oracles(void** state) {
     compare_film("previous, D24", &h, 3);
 }
 
-/* No absolute length hides anywhere: the world and every length of the parameters times a power of two change no bit. */
+/* No absolute length hides anywhere: the world and every length of the parameters times a power of two change no
+   bit. */
 static void test_scale(void** state) {
     static const float scales[] = {1.0f, 1024.0f, 1.0f / 64.0f};
+    static const float radiance[3] = {1.0f, 0.25f, 6.0f}; /* the scene's own material knows lengths */
     frame frames[3];
     size_t image;
     int i, n, l;
@@ -598,9 +567,10 @@ static void test_scale(void** state) {
     for (i = 0; i < 3; ++i) {
         how h = default_how();
         film m;
-        h.scale = scales[i];
-        h.params.separation *= h.scale, h.params.ao_radius *= h.scale, h.params.radius *= h.scale;
-        h.params.history_floor *= h.scale;
+        h.uniform_radiance = radiance;
+        h.view.scale = scales[i];
+        h.params.separation *= scales[i], h.params.ao_radius *= scales[i], h.params.radius *= scales[i];
+        h.params.history_floor *= scales[i];
         m = open_film(&h);
         for (n = 0; n < 3; ++n) run_frame(&m, false);
         frames[i] = next_frame(&m);
@@ -733,9 +703,9 @@ static void test_two_builds_without_a_shade(void** state) {
     }
 }
 
-/* What stands still moves as the camera does, jitter included: its velocity brings it to where the matrices say it was, but
-   for the rounding of a half (2^-11 of the pixels it moved, in two directions) and of the rasteriser's interpolation. So no
-   tolerance is widened but the moving box's. */
+/* What stands still moves as the camera does, jitter included: its velocity brings it to where the matrices say it was,
+   but for the rounding of a half (2^-11 of the pixels it moved, in two directions) and of the rasteriser's
+   interpolation. So no tolerance is widened but the moving box's. */
 static void test_velocities_agree_with_matrices(void** state) {
     how h = default_how();
     int kind;
@@ -955,15 +925,13 @@ static void poison(const film* m, float value, bool everywhere, const int rect[4
     size_t i;
     int x, y, k;
     for (i = 0; i < sizeof poisoned / sizeof poisoned[0]; ++i) {
-        float* texels = read_image(&m->c, poisoned[i], 0, 4);
+        float* texels = fixture_image(&m->c, poisoned[i], 0, 4);
         if (!texels) continue;
         for (y = 0; y < h; ++y)
             for (x = 0; x < w; ++x)
                 for (k = 0; k < 4; ++k)
                     if (everywhere || !is_inside(rect, x, y)) texels[4 * (y * w + x) + k] = value;
-        glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&m->c, poisoned[i])));
-        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, w, h, GL_RGBA, GL_FLOAT, texels);
-        glBindTexture(GL_TEXTURE_2D, 0);
+        fixture_put_image(&m->c, poisoned[i], 4, texels);
         free(texels);
     }
 }
@@ -1036,8 +1004,8 @@ static void check_visibility(const frame* s) {
 }
 
 /* Finite at once. A weight of 1/2 halves what is left every frame, so that 64512 is less than an ulp of 1/500 after 44;
-   where both averages are of the same frames but one is rounded otherwise, they stay within 1 / (1 - 1/2) ulps: irradiance and
-   confidence each. */
+   where both averages are of the same frames but one is rounded otherwise, they stay within 1 / (1 - 1/2) ulps:
+   irradiance and confidence each. */
 static void check_healing(float value) {
     how h = still_how();
     film clean, sick;
@@ -1062,10 +1030,10 @@ static void check_healing(float value) {
     close_film(&clean), close_film(&sick);
 }
 
-/* With bounces the light that was there comes back with every bounce, but the surfaces keep a part of it each time, so that
-   it dies out geometrically. What remains is rounding: a device may truncate the radiance that is sent to 6 bits (blue: 5),
-   and where a sum lies between two codes either may stay. One code is 1/32, and all bounces add up to less than
-   1 / (1 - 1/2) of it with a damping of 1/2. */
+/* With bounces the light that was there comes back with every bounce, but the surfaces keep a part of it each time, so
+   that it dies out geometrically. What remains is rounding: a device may truncate the radiance that is sent to 6 bits
+   (blue: 5), and where a sum lies between two codes either may stay. One code is 1/32, and all bounces add up to less
+   than 1 / (1 - 1/2) of it with a damping of 1/2. */
 static void check_healing_of_bounces(float value) {
     how h = still_how();
     film clean, sick;
@@ -1203,7 +1171,8 @@ static void test_every_combination_runs(void** state) {
             }
 }
 
-/* Mean of irradiance times confidence, which is what an engine adds to its picture, over the image without its guard band. */
+/* Mean of irradiance times confidence, which is what an engine adds to its picture, over the image without its guard
+   band. */
 static double mean_of(const frame* s, const float* image) {
     double sum = 0.0;
     int x, y, k, count = 0;

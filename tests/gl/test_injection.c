@@ -1,6 +1,7 @@
-/* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted: every
-   result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
+/* Whatever there is in the engine's textures, in the library's own, and in the parameters as far as they are accepted:
+   every result is finite and in range at once, and after a cut it is as if nothing had been, bit for bit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,32 +25,15 @@ static fixture f;
 
 static uint32_t random_state;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-static float float_of(uint32_t bits) {
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+static float random_unit(void) { return (float)(lcg_bits(&random_state) >> 8) / 16777216.0f; }
 
 /* NaN, infinite, largest, 1e6, subnormal, negative ones; or any bits. */
 static float injected(void) {
     static const uint32_t special[] = {0x7fc00000u, 0xffc00001u, 0x7f800000u, 0xff800000u, 0x7f7fffffu, 0xff7fffffu,
                                        0x49742400u, 0xc9742400u, 0x00000001u, 0x807fffffu, 0x80000000u, 0xbf800000u};
-    const uint32_t kind = random_bits() >> 8;
-    return float_of(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
-                              : random_bits() ^ random_bits() << 16);
-}
-
-static bool is_finite(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (bits & 0x7f800000u) != 0x7f800000u;
+    const uint32_t kind = lcg_bits(&random_state) >> 8;
+    return from_bits(kind & 1u ? special[(kind >> 1) % (sizeof special / sizeof special[0])]
+                               : lcg_bits(&random_state) ^ lcg_bits(&random_state) << 16);
 }
 
 /* >> two engines that show the same, one of them with what is injected */
@@ -79,8 +63,6 @@ typedef struct engine {
     const how* h;
     dgb_context c;
     images m;
-    GLuint roughness_texture;
-    float roughness[COUNT];
     dgb_params params;
 } engine;
 
@@ -102,8 +84,7 @@ static void open_engine(engine* e, const how* h) {
     e->h = h;
     e->m = images_open(WIDTH, HEIGHT);
     e->params = ordinary_params();
-    glGenTextures(1, &e->roughness_texture);
-    d = images_desc(&e->m, GUARD, h->layers, h->effects, &f.gl.backend);
+    d = images_desc(&f, &e->m, GUARD, h->layers, h->effects);
     d.estimator = h->estimator;
     d.tracer = h->tracer;
     d.thickness = h->thickness;
@@ -115,7 +96,6 @@ static void open_engine(engine* e, const how* h) {
 static void close_engine(engine* e) {
     dgb_shutdown(&e->c);
     images_close(&e->m);
-    glDeleteTextures(1, &e->roughness_texture);
 }
 
 /* Steps that face all ways, lit and rough in all ways: the surfaces always the same, their light for a seed. */
@@ -131,7 +111,7 @@ static void put_scene(engine* e, uint32_t seed) {
                     images_at(&e->m, IMAGE_RADIANCE, layer, x, y)[k] = 3.0f * random_unit();
                     images_at(&e->m, IMAGE_ALBEDO, layer, x, y)[k] = 0.8f * random_unit();
                 }
-                e->roughness[y * WIDTH + x] = random_unit();
+                e->m.roughness[y * WIDTH + x] = random_unit();
                 e->m.back[y * WIDTH + x] = *images_at(&e->m, IMAGE_DEPTH, 0, x, y) * 0.95f;
             }
 }
@@ -142,21 +122,16 @@ static void inject_inputs(engine* e, uint32_t rarity) {
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer)
             for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * COUNT; ++i)
-                if (random_bits() >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
+                if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.texels[kind][layer][i] = injected();
     for (i = 0; i < COUNT; ++i) {
-        if (random_bits() >> 8 < 16777216u / rarity) e->roughness[i] = injected();
-        if (random_bits() >> 8 < 16777216u / rarity) e->m.back[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.roughness[i] = injected();
+        if (lcg_bits(&random_state) >> 8 < 16777216u / rarity) e->m.back[i] = injected();
     }
 }
 
 static dgb_result show(engine* e, bool cut) {
     dgb_view view = images_view(&e->m, GUARD);
-    dgb_layers layers = images_upload(&e->m);
-    glBindTexture(GL_TEXTURE_2D, e->roughness_texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, WIDTH, HEIGHT, 0, GL_RED, GL_FLOAT, e->roughness);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    glBindTexture(GL_TEXTURE_2D, 0);
-    layers.roughness = dgbgl_texture(e->roughness_texture);
+    const dgb_layers layers = images_upload(&e->m);
     view.cut = cut;
     assert_int_equal(dgb_set_layers(&e->c, &view, &layers), DGB_OK);
     return dgb_shade(&e->c, &e->params);
@@ -175,10 +150,7 @@ static const struct {
                {DGB_REFLECTION_HIT, -1.001f, {2.0f, DGB_MAX_RADIANCE, 1.001f, 1.001f}}};
 enum { RESULTS = (int)(sizeof results / sizeof results[0]) };
 
-static float* read_result(const engine* e, dgb_slot slot) {
-    const dgb_texture texture = dgb_get_texture(&e->c, slot);
-    return texture.id ? fixture_read(texture, 0, 0, WIDTH, HEIGHT, 0, GL_RGBA, 4) : NULL;
-}
+static float* read_result(const engine* e, dgb_slot slot) { return fixture_image(&e->c, slot, 0, 4); }
 
 static void check_results(const engine* e, const char* when) {
     int r, i;
@@ -314,6 +286,130 @@ static void test_own_textures(void** state) {
     }
 }
 
+/* >> last frame's depth, which WARP asks where the camera moves */
+
+enum { ROOM_WIDTH = 64, ROOM_HEIGHT = 48, ROOM = ROOM_WIDTH * ROOM_HEIGHT, ROOM_LAYERS = 3 };
+
+typedef struct room {
+    dgb_context c;
+    GLuint program;
+} room;
+
+static void open_room(room* r) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    memset(r, 0, sizeof *r);
+    d.width = ROOM_WIDTH, d.height = ROOM_HEIGHT;
+    d.layers = ROOM_LAYERS;
+    d.depth_format = DGB_FORMAT_D32F;
+    d.oracle = DGB_ORACLE_WARP;
+    d.reversed = true;
+    d.clip = DGB_CLIP_ZERO_TO_ONE;
+    d.effects = DGB_EFFECT_AO;
+    d.backend = &f.gl.backend;
+    assert_int_equal(dgb_init(&r->c, &d), DGB_OK);
+    r->program = fixture_program(&r->c);
+    assert_true(r->program != 0);
+}
+
+static void close_room(room* r) {
+    glDeleteProgram(r->program);
+    dgb_shutdown(&r->c);
+}
+
+/* The camera turns and walks; far_plane 0: infinite. */
+static void build_room(room* r, int frame, float far_plane, bool cut) {
+    const dgb_params q = dgb_preset(DGB_PRESET_QUALITY);
+    fixture_view v = fixture_default_view();
+    fixture_draw_user user;
+    dgb_view view;
+    v.reversed = true, v.clip = DGB_CLIP_ZERO_TO_ONE, v.far_plane = far_plane;
+    v.eye[0] += 0.05f * (float)frame, v.yaw += 0.01f * (float)frame;
+    view = fixture_dgb_view(&v, ROOM_WIDTH, ROOM_HEIGHT);
+    view.cut = cut;
+    memset(&user, 0, sizeof user);
+    user.f = &f, user.program = r->program;
+    assert_int_equal(dgb_build(&r->c, &view, &q, fixture_draw, &user), DGB_OK);
+}
+
+static float* read_depth(const room* r, dgb_slot slot, int layer, int layers) {
+    return fixture_read(dgb_get_texture(&r->c, slot), 0, layer, ROOM_WIDTH, ROOM_HEIGHT, layers, GL_DEPTH_COMPONENT, 1);
+}
+
+/* A depth texture holds nothing but depths; what WARP is given in its place holds anything. */
+static GLuint anything;
+static dgb_texture last_depth;
+static void (*bind)(void* user, dgb_slot slot, dgb_texture texture, int level);
+
+static void bind_anything(void* user, dgb_slot slot, dgb_texture texture, int level) {
+    bind(user, slot, texture, level);
+    if (anything && texture.id == last_depth.id) glBindTexture(GL_TEXTURE_2D_ARRAY, anything);
+}
+
+static GLuint texture_of_anything(void) {
+    static float depths[ROOM_LAYERS * ROOM];
+    GLuint name;
+    int i;
+    for (i = 0; i < ROOM_LAYERS * ROOM; ++i) depths[i] = i % 4 ? injected() : random_unit();
+    glGenTextures(1, &name);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, name);
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32F, ROOM_WIDTH, ROOM_HEIGHT, ROOM_LAYERS, 0, GL_RED, GL_FLOAT, depths);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    return name;
+}
+
+static void check_depth(const room* r, dgb_slot slot, int layers) {
+    int layer, i;
+    for (layer = 0; layer < layers; ++layer) {
+        float* depth = read_depth(r, slot, layer, layers);
+        for (i = 0; i < ROOM; ++i)
+            if (!(depth[i] >= 0.0f && depth[i] <= 1.0f))
+                fail_msg("layer %d of %s holds %g at %d", layer, dgb_slot_name(slot), (double)depth[i], i);
+        free(depth);
+    }
+}
+
+static int count_different(const room* a, const room* b, int layer) {
+    float *x = read_depth(a, DGB_DEPTH, layer, ROOM_LAYERS), *y = read_depth(b, DGB_DEPTH, layer, ROOM_LAYERS);
+    int i, count = 0;
+    for (i = 0; i < ROOM; ++i) count += x[i] != y[i];
+    free(x), free(y);
+    return count;
+}
+
+/* Layers hold depth, whatever WARP made of what it was given. The first asks nobody, and a cut peels. */
+static void test_warp(void** state) {
+    static const float far_planes[] = {0.0f, 60.0f};
+    int i, frame, layer;
+    (void)state;
+    for (i = 0; i < 2; ++i) {
+        room clean, sick;
+        open_room(&clean), open_room(&sick);
+        random_state = (uint32_t)i;
+        bind = sick.c.backend.texture_bind;
+        sick.c.backend.texture_bind = bind_anything;
+        last_depth = dgb_get_texture(&sick.c, DGB_DEPTH);
+        for (frame = 0; frame < 8; ++frame) {
+            const bool peels = frame == 0 || frame == 7;
+            build_room(&clean, frame, far_planes[i], peels);
+            anything = peels ? 0 : texture_of_anything();
+            build_room(&sick, frame, far_planes[i], peels);
+            glDeleteTextures(1, &anything);
+            if (!peels) check_depth(&sick, DGB_ORACLE, ROOM_LAYERS - 1);
+            check_depth(&sick, DGB_DEPTH, ROOM_LAYERS);
+            for (layer = 0; layer < ROOM_LAYERS; ++layer) {
+                const int different = count_different(&clean, &sick, layer);
+                if (layer == 0 || peels) assert_int_equal(different, 0);
+                if (layer == 1 && !peels) assert_true(different > ROOM / 8); /* it was asked */
+            }
+        }
+        close_room(&clean), close_room(&sick);
+    }
+}
+
+/* >> parameters */
+
 /* Lengths and factors anywhere in what is accepted, several at a time. */
 static void inject_params(dgb_params* q) {
     static const float values[] = {0.0f, 1e-45f, 1e-30f, 1e-15f, 1e-6f, 0.999f, 1.0f, 25.0f, 1e6f, 1e14f, 1e30f, 3e38f};
@@ -326,7 +422,8 @@ static void inject_params(dgb_params* q) {
     const size_t count = sizeof fields / sizeof fields[0];
     int n;
     for (n = 0; n < 2; ++n)
-        *fields[(random_bits() >> 8) % count] = values[(random_bits() >> 8) % (sizeof values / sizeof values[0])];
+        *fields[(lcg_bits(&random_state) >> 8) % count] =
+            values[(lcg_bits(&random_state) >> 8) % (sizeof values / sizeof values[0])];
 }
 
 static void test_params(void** state) {
@@ -359,10 +456,8 @@ FIXTURE_CONTEXT(f, 4, 5, false)
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inputs),
-        cmocka_unit_test(test_own_textures),
-        cmocka_unit_test(test_params),
-        cmocka_unit_test(test_no_messages),
+        cmocka_unit_test(test_inputs), cmocka_unit_test(test_own_textures), cmocka_unit_test(test_warp),
+        cmocka_unit_test(test_params), cmocka_unit_test(test_no_messages),
     };
     return cmocka_run_group_tests_name("injection", tests, open_context, close_context);
 }

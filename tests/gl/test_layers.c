@@ -1,5 +1,6 @@
 /* The layers themselves: minimum separation, and that every way of building them gives the same as peeling. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -67,8 +68,6 @@ static void free_layers(built* b) {
     }
 }
 
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
 /* Texels that differ in anything. */
 static int count_differences(const built* a, const built* b) {
     int layer, target, i, count = 0;
@@ -109,7 +108,7 @@ typedef struct setup {
     dgb_emission emission;
     int layers;
     dgb_format depth_format;
-    bool moving;        /* camera and box, from frame to frame */
+    bool moving;        /* camera and box move from frame to frame */
     float speed;        /* of the camera */
     bool still_objects; /* moving: the camera alone */
     bool knows_next;    /* the next view is told, not guessed */
@@ -132,21 +131,13 @@ static setup default_setup(dgb_oracle oracle, dgb_emission emission) {
 }
 
 static dgb_desc desc_of(const setup* s) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = WIDTH;
-    d.height = HEIGHT;
-    d.guard_band = GUARD;
+    dgb_desc d = fixture_desc(&f, &s->view, WIDTH, HEIGHT, GUARD);
     d.layers = s->layers;
     d.divisor = s->divisor;
     d.oracle = s->oracle;
     d.emission = s->emission;
     d.depth_format = s->depth_format;
     if (s->back) d.thickness = DGB_THICKNESS_BACK_FACES, d.effects = DGB_EFFECT_REFLECT; /* which reads them */
-    d.clip = s->view.clip;
-    d.reversed = s->view.reversed;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     return d;
 }
 
@@ -308,8 +299,8 @@ static void test_moving_delay(void** state) {
         moving_equals_peel(DGB_ORACLE_DELAY, DGB_EMISSION_VERTEX, 1);
 }
 
-/* Geometry shaders and viewport indices bring clipping, which moves the last bits of depth: coverage may differ in 1e-4 of the
-   texels, depth by 1e-4. */
+/* Geometry shaders and viewport indices bring clipping, which moves the last bits of depth: coverage may differ in 1e-4
+   of the texels, depth by 1e-4. */
 static void check_nearly_peel(setup s, int frames) {
     setup peel = s;
     built a, b;
@@ -419,18 +410,21 @@ static void test_k_layers(void** state) {
             }
 }
 
-/* >> back faces, against layers peeled by no separation, which hold every surface there is: the nearest behind the first whose
-   normal faces away */
+/* >> back faces, against layers peeled by no separation, which hold every surface there is: the nearest behind the
+   first whose normal faces away */
+
+static void point_at(const built* b, int i, float z, float point[3]) {
+    const int column = i % b->width, row = i / b->width, divisor = b->divisor;
+    dgb_position(((float)column + 0.5f) * (float)divisor, ((float)row + 0.5f) * (float)divisor, z, &b->camera, point);
+}
 
 /* The first of such layers at a texel that shows its back; 0: none. */
 static int back_layer(const built* b, int i) {
-    const float x = ((float)(i % b->width) + 0.5f) * (float)b->divisor;
-    const float y = ((float)(i / b->width) + 0.5f) * (float)b->divisor;
     int layer;
     for (layer = 1; layer < b->layers && b->z[layer][i] != 0.0f; ++layer) {
         float point[3], n[3], view[3] = {0.0f, 0.0f, -1.0f};
         const float* bytes = b->targets[layer][1] + 4 * i;
-        dgb_position(x, y, b->z[layer][i], &b->camera, point);
+        point_at(b, i, b->z[layer][i], point);
         dgb_oct16_decode((uint16_t)((int)(bytes[0] * 255.0f + 0.5f) | (int)(bytes[1] * 255.0f + 0.5f) << 8), n);
         if (b->camera.footprint[1] != 0.0f) memcpy(view, point, sizeof view);
         if (n[0] * view[0] + n[1] * view[1] + n[2] * view[2] > 0.0f) return layer;
@@ -438,12 +432,11 @@ static int back_layer(const built* b, int i) {
     return 0;
 }
 
-/* A bottom of a box lies in the floor, which comes first and shows its front: there the back may be nearer than any that the
-   layers show, and as far as the floor, whose height is 0. */
+/* A bottom of a box lies in the floor, which comes first and shows its front: there the back may be nearer than any
+   that the layers show, and as far as the floor, whose height is 0. */
 static bool is_on_floor(const built* b, int i, const fixture_view* v) {
     float point[3];
-    dgb_position(((float)(i % b->width) + 0.5f) * (float)b->divisor, ((float)(i / b->width) + 0.5f) * (float)b->divisor,
-                 b->back[i], &b->camera, point);
+    point_at(b, i, b->back[i], point);
     return fabsf(point[1] + v->eye[1]) < 1e-3f;
 }
 
@@ -512,7 +505,8 @@ static void test_back_faces(void** state) {
     if (is_offered(s)) check_back_faces(s, 3, 0, 0.0f);
 }
 
-/* What the shading reads of them: at every pixel the texel that it lies in, unless that is not behind the pixel's own surface. */
+/* What the shading reads of them: at every pixel the texel that it lies in, unless that is not behind the pixel's own
+   surface. */
 static void check_packed_back(int divisor) {
     setup s = default_setup(DGB_ORACLE_REPROJECT, DGB_EMISSION_SEPARATE);
     dgb_params q = dgb_preset(DGB_PRESET_BALANCED);
@@ -533,7 +527,7 @@ static void check_packed_back(int divisor) {
     assert_int_equal(dgb_build(&c, &view, &q, fixture_draw, &user), DGB_OK);
     assert_int_equal(dgb_shade(&c, &q), DGB_OK);
     b = read_layers(&c);
-    z = fixture_read(dgb_get_texture(&c, DGB_Z), 0, 0, b.width, b.height, 0, GL_RGBA, 4);
+    z = fixture_image(&c, DGB_Z, 0, 4);
     for (y = 0; y < b.height; ++y)
         for (x = 0; x < b.width; ++x) {
             const int i = y * b.width + x;
@@ -599,9 +593,9 @@ static int count_wrong(setup s, dgb_oracle oracle) {
     return wrong;
 }
 
-/* While only the camera moves, WARP errs along silhouettes, which last frame's texels know to half a texel, and at the border.
-   Measured: a seventh of PREVIOUS's error and three quarters of REPROJECT's; in a parallel projection, where the border takes
-   the larger part, 0.39 and 0.71; with the camera four times as fast, 0.08 and 0.43. */
+/* While only the camera moves, WARP errs along silhouettes, which last frame's texels know to half a texel, and at the
+   border. Measured: a seventh of PREVIOUS's error and three quarters of REPROJECT's; in a parallel projection, where
+   the border takes the larger part, 0.39 and 0.71; with the camera four times as fast, 0.08 and 0.43. */
 static void test_warp_moving_camera(void** state) {
     int kind;
     (void)state;
@@ -729,8 +723,9 @@ static int count_behind(const setup* s) {
     return filled;
 }
 
-/* Walls two separations apart: at half the limit, where depths are a quarter of a separation or less apart, told by every pixel,
-   though rasterisers' depths are off by steps; beyond, wherever depths differ. Leaves the fixture's own scene behind. */
+/* Walls two separations apart: at half the limit, where depths are a quarter of a separation or less apart, told by
+   every pixel, though rasterisers' depths are off by steps; beyond, wherever depths differ. Leaves the fixture's own
+   scene behind. */
 static void test_separation_limit(void** state) {
     static const dgb_format formats[] = {DGB_FORMAT_D16, DGB_FORMAT_D24, DGB_FORMAT_D32F};
     static const float ratios[] = {0.1f, 0.5f, 0.98f, 1.3f, 4.0f, 100.0f};

@@ -1,6 +1,7 @@
-/* Surfaces that move, come into view and leave it: what the temporal filter keeps of them. Layers made up texel by texel, so
-   that every count of frames is known beforehand. */
+/* Surfaces that move, come into view and leave it: what the temporal filter keeps of them. Layers made up texel by
+   texel, so that every count of frames is known beforehand. */
 #include "gl_images.h"
+#include "numbers.h"
 #include "tally.h"
 
 #include <math.h>
@@ -22,48 +23,23 @@ static fixture f;
 static const float towards_eye[3] = {0.0f, 0.0f, 1.0f};
 static const double wall = 6.0, blocker = 3.0; /* metres away */
 
-/* >> a context, and what it makes of one frame */
-
-typedef struct stage {
-    images m;
-    dgb_context c;
-    dgb_view view;
-    dgb_params params;
-    int guard;
-} stage;
+/* >> what a context makes of one frame */
 
 static stage open_stage(int width, int height, int guard, int layers, uint32_t effects) {
     stage s;
     dgb_desc d;
-    memset(&s, 0, sizeof s);
-    s.guard = guard;
-    s.m = images_open(width, height);
-    s.view = images_view(&s.m, guard);
-    s.params = dgb_preset(DGB_PRESET_QUALITY);
-    d = images_desc(&s.m, guard, layers, effects, &f.gl.backend);
+    stage_init(&s, width, height, guard);
+    d = images_desc(&f, &s.m, guard, layers, effects);
     assert_int_equal(dgb_init(&s.c, &d), DGB_OK);
     return s;
 }
 
-static void close_stage(stage* s) {
-    dgb_shutdown(&s->c);
-    images_close(&s->m);
-}
+static void shade(stage* s) { assert_int_equal(stage_shade(s), DGB_OK); }
 
-static void shade(stage* s) {
-    const dgb_layers layers = images_upload(&s->m);
-    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
-    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
-}
-
-static float* read_image(const stage* s, dgb_slot slot) {
-    return fixture_read(dgb_get_texture(&s->c, slot), 0, 0, s->m.width, s->m.height, 0, GL_RGBA, 4);
-}
+static float* read_image(const stage* s, dgb_slot slot) { return fixture_image(&s->c, slot, 0, 4); }
 
 static void write_image(const stage* s, dgb_slot slot, const float* texels) {
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&s->c, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, s->m.width, s->m.height, GL_RGBA, GL_FLOAT, texels);
-    glBindTexture(GL_TEXTURE_2D, 0);
+    fixture_put_image(&s->c, slot, 4, texels);
 }
 
 static bool is_blocker(int x, int left) { return x >= left && x < left + BLOCKER; }
@@ -83,8 +59,8 @@ static void put_blocker(stage* s, int left, float moved) {
 
 /* >> what comes into view */
 
-/* The blocker goes on by 8 pixels every frame. The wall that it uncovers restarts, or, where the second layer has kept it,
-   goes on; everything else was in view and goes on in either case. */
+/* The blocker goes on by 8 pixels every frame. The wall that it uncovers restarts, or, where the second layer has kept
+   it, goes on; everything else was in view and goes on in either case. */
 static void check_uncovered(int layers) {
     stage s = open_stage(WIDTH, HEIGHT, 0, layers, ALL);
     int frame, x, y, uncovered = 0;
@@ -108,7 +84,7 @@ static void check_uncovered(int layers) {
         free(frames);
     }
     assert_true(uncovered == 4 * 8 * HEIGHT);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_uncovered(void** state) {
@@ -117,8 +93,8 @@ static void test_uncovered(void** state) {
     check_uncovered(2);
 }
 
-/* What the wall had while it stood behind is what it has when it comes to light: the second layer's average, weighed as n to
-   1. It is no other light: the blocker's own is a thousand times as strong. */
+/* What the wall had while it stood behind is what it has when it comes to light: the second layer's average, weighed as
+   n to 1. It is no other light: the blocker's own is a thousand times as strong. */
 static void test_second_layer_hands_on(void** state) {
     static const float of_blocker[4] = {1000.0f, 2000.0f, 3000.0f, 1.0f}, of_wall[4] = {1.0f, 2.0f, 0.5f, 0.75f};
     stage s = open_stage(WIDTH, HEIGHT, 0, 2, ALL);
@@ -150,13 +126,14 @@ static void test_second_layer_hands_on(void** state) {
             }
     assert_int_equal(count, 4 * 8 * HEIGHT);
     free(raw), free(mean);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* >> no ghosts */
 
-/* Blocker and wall pan by parts of pixels, so that every history is a mix of four texels, of which those along the edge show
-   the other surface. No light is gathered (nothing sends), so an average is all history: at most what that surface had. */
+/* Blocker and wall pan by parts of pixels, so that every history is a mix of four texels, of which those along the edge
+   show the other surface. No light is gathered (nothing sends), so an average is all history: at most what that surface
+   had. */
 static void check_no_ghost(float pan, bool blocker_is_bright) {
     stage s = open_stage(WIDTH, HEIGHT, 0, 1, DGB_EFFECT_RADIOSITY | DGB_EFFECT_TEMPORAL);
     float *image, *mean;
@@ -187,7 +164,7 @@ static void check_no_ghost(float pan, bool blocker_is_bright) {
     assert_true(on_wall <= 1.0 + 1.0 / 1024.0 && on_wall > 0.9);
     assert_true(on_blocker >= 1000.0 * (1.0 - 1.0 / 1024.0));
     free(mean);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_no_ghost(void** state) {
@@ -237,7 +214,7 @@ static void check_pan(int guard, float fraction, float vx, float vy) {
         }
     assert_true(fresh > 0);
     free(frames);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_border(void** state) {
@@ -268,19 +245,19 @@ static void test_behind_the_last_eye(void** state) {
         free(lit);
     }
     frames = read_image(&s, DGB_FRAMES);
-    b = fixture_read(dgb_get_texture(&s.c, DGB_B0), 0, 0, WIDTH, HEIGHT, 0, GL_RGB, 3);
+    b = fixture_image(&s.c, DGB_B0, 0, 3);
     for (i = 0; i < WIDTH * HEIGHT; ++i) {
         assert_true(frames[4 * i + 1] == 1.0f && frames[4 * i + 2] == 1.0f);
         assert_true(b[3 * i] == 1.0f);
     }
     free(frames), free(b);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* >> what an engine may hand over */
 
-/* NaN, infinite or absurd velocities: no history there, and nothing else changes. Albedo and radiance that are no numbers
-   are black. */
+/* NaN, infinite or absurd velocities: no history there, and nothing else changes. Albedo and radiance that are no
+   numbers are black. */
 static void check_odd_input(image_kind kind, float odd) {
     stage clean = open_stage(WIDTH, HEIGHT, 0, 2, ALL), sick = open_stage(WIDTH, HEIGHT, 0, 2, ALL);
     static const float grey[3] = {0.5f, 0.5f, 0.5f}, light[3] = {1.0f, 2.0f, 3.0f};
@@ -309,12 +286,12 @@ static void check_odd_input(image_kind kind, float odd) {
                 if (kind != IMAGE_VELOCITY) assert_memory_equal(a + at, b + at, 4 * sizeof(float));
             }
         free(a), free(b), free(frames);
-        a = fixture_read(dgb_get_texture(&clean.c, DGB_B0), 0, 0, WIDTH, HEIGHT, 0, GL_RGB, 3);
-        b = fixture_read(dgb_get_texture(&sick.c, DGB_B0), 0, 0, WIDTH, HEIGHT, 0, GL_RGB, 3);
+        a = fixture_image(&clean.c, DGB_B0, 0, 3);
+        b = fixture_image(&sick.c, DGB_B0, 0, 3);
         if (kind != IMAGE_VELOCITY) assert_memory_equal(a, b, 3 * WIDTH * HEIGHT * sizeof(float));
         free(a), free(b);
     }
-    close_stage(&clean), close_stage(&sick);
+    stage_close(&clean), stage_close(&sick);
 }
 
 static void test_odd_input(void** state) {
@@ -329,22 +306,6 @@ static void test_odd_input(void** state) {
 }
 
 static uint32_t random_state = 1u;
-
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
 
 static void check_in_range(const stage* s, dgb_slot slot, float high, float high_alpha) {
     float* image = read_image(s, slot);
@@ -366,7 +327,7 @@ static void test_any_input(void** state) {
             for (kind = frame % 2 ? IMAGE_DEPTH : IMAGE_NORMAL; kind < IMAGE_KINDS; ++kind)
                 for (l = 0; l < 2; ++l)
                     for (i = 0; i < (kind == IMAGE_DEPTH ? 1 : 3) * WIDTH * HEIGHT; ++i)
-                        if (random_bits() & 0x10000u) s.m.texels[kind][l][i] = random_pattern();
+                        if (lcg_bits(&random_state) & 0x10000u) s.m.texels[kind][l][i] = lcg_pattern(&random_state);
             s.params = dgb_preset((dgb_preset_id)(frame % DGB_PRESET_COUNT));
             shade(&s);
             check_in_range(&s, DGB_IRRADIANCE_MEAN, DGB_MAX_RADIANCE, 1.0f);
@@ -377,7 +338,7 @@ static void test_any_input(void** state) {
             check_in_range(&s, DGB_IRRADIANCE1_MEAN, DGB_MAX_RADIANCE, 1.0f);
             check_in_range(&s, DGB_IRRADIANCE1, DGB_MAX_RADIANCE, 1.0f);
         }
-        close_stage(&s);
+        stage_close(&s);
     }
 }
 

@@ -1,6 +1,7 @@
-/* Mirror reflections by either tracer against rays and planes in double precision. Layers made up texel by texel; every texel's radiance says
-   where it lies, so that a reflection tells exactly what was hit. */
+/* Mirror reflections by either tracer against rays and planes in double precision. Layers made up texel by texel; every
+   texel's radiance says where it lies, so that a reflection tells exactly what was hit. */
 #include "gl_images.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -20,17 +21,7 @@ static dgb_thickness thickness_from;
 
 static const double radian = 3.14159265358979323846 / 180.0;
 
-/* >> a context, and what it makes of one frame */
-
-typedef struct stage {
-    images m;
-    dgb_context c;
-    dgb_view view;
-    dgb_params params;
-    bool reversed;
-    dgb_clip clip;
-    int guard;
-} stage;
+/* >> what a context makes of one frame */
 
 typedef struct setup {
     int width, height, guard, layers; /* of the image, without guard band */
@@ -46,20 +37,17 @@ static stage open_stage(const setup* p) {
     stage s;
     dgb_desc d;
     fixture_view v = fixture_default_view();
-    memset(&s, 0, sizeof s);
     v.fov = p->fov;
-    v.reversed = s.reversed = p->reversed;
-    v.clip = s.clip = p->clip;
+    v.reversed = p->reversed;
+    v.clip = p->clip;
     v.near_plane = 0.1f;
     v.far_plane = p->fov > 0.0f && p->reversed ? 0.0f : 60.0f;
-    s.guard = p->guard;
-    s.m = images_open(p->width + 2 * p->guard, p->height + 2 * p->guard);
+    stage_init(&s, p->width + 2 * p->guard, p->height + 2 * p->guard, p->guard);
     s.view = fixture_dgb_view(&v, p->width, p->height);
-    s.params = dgb_preset(DGB_PRESET_QUALITY);
     s.params.reflect_stride = 1;
     s.params.reflect_border = 0.0f;
     s.params.reflect_steps = 4096;
-    d = images_desc(&s.m, p->guard, p->layers, p->effects, &f.gl.backend);
+    d = images_desc(&f, &s.m, p->guard, p->layers, p->effects);
     d.reversed = p->reversed;
     d.clip = p->clip;
     d.tracer = tracer;
@@ -68,22 +56,15 @@ static stage open_stage(const setup* p) {
     return s;
 }
 
-static void close_stage(stage* s) {
-    dgb_shutdown(&s->c);
-    images_close(&s->m);
-}
-
 typedef struct result { /* RGBA of the buffer; nothing in the guard band is written */
     float *reflection, *hit;
 } result;
 
 static result shade(stage* s) {
-    const dgb_layers layers = images_upload(&s->m);
     result r;
-    assert_int_equal(dgb_set_layers(&s->c, &s->view, &layers), DGB_OK);
-    assert_int_equal(dgb_shade(&s->c, &s->params), DGB_OK);
-    r.reflection = fixture_read(dgb_get_texture(&s->c, DGB_REFLECTION), 0, 0, s->m.width, s->m.height, 0, GL_RGBA, 4);
-    r.hit = fixture_read(dgb_get_texture(&s->c, DGB_REFLECTION_HIT), 0, 0, s->m.width, s->m.height, 0, GL_RGBA, 4);
+    assert_int_equal(stage_shade(s), DGB_OK);
+    r.reflection = fixture_image(&s->c, DGB_REFLECTION, 0, 4);
+    r.hit = fixture_image(&s->c, DGB_REFLECTION_HIT, 0, 4);
     return r;
 }
 
@@ -135,14 +116,15 @@ static void put(stage* s, int layer, int x, int y, double z, const double n[3]) 
     const double depth = ((double)m[10] * z + (double)m[14]) / clip_w(s, z);
     float* radiance = images_at(&s->m, IMAGE_RADIANCE, layer, x, y);
     int i;
-    *images_at(&s->m, IMAGE_DEPTH, layer, x, y) = (float)(s->clip == DGB_CLIP_ZERO_TO_ONE ? depth : 0.5 * depth + 0.5);
+    *images_at(&s->m, IMAGE_DEPTH, layer, x, y) =
+        (float)(s->c.desc.clip == DGB_CLIP_ZERO_TO_ONE ? depth : 0.5 * depth + 0.5);
     for (i = 0; i < 3; ++i) images_at(&s->m, IMAGE_NORMAL, layer, x, y)[i] = (float)n[i];
     /* exact in 11 bits: integers below 128 */
     radiance[0] = (float)(x + 1), radiance[1] = (float)(y + 1), radiance[2] = (float)(layer + 1);
 }
 
 static void put_empty(stage* s, int layer, int x, int y) {
-    *images_at(&s->m, IMAGE_DEPTH, layer, x, y) = s->reversed ? 0.0f : 1.0f;
+    *images_at(&s->m, IMAGE_DEPTH, layer, x, y) = s->c.desc.reversed ? 0.0f : 1.0f;
 }
 
 /* The nearest of some planes at a point of the image: its index, -1 for none. */
@@ -218,7 +200,8 @@ static bool is_miss(const result* r, int at) {
     return r->hit[4 * at] == 0.0f && r->hit[4 * at + 1] == 0.0f;
 }
 
-/* A hit knows its texel: within `bound` pixels of the point, on the layer, as long as the way to the texel's own point. */
+/* A hit knows its texel: within `bound` pixels of the point, on the layer, as long as the way to the texel's own
+   point. */
 static bool is_hit(const stage* s, const result* r, int at, const mirrored* m, int layer, const plane* other,
                    double bound) {
     const float *light = r->reflection + 4 * at, *hit = r->hit + 4 * at;
@@ -256,8 +239,9 @@ static void check_range(const stage* s, const result* r) {
 
 /* >> a floor that mirrors a wall */
 
-/* Surfaces are flat within a texel, so a ray meets one up to half a texel and a step beside where it meets the plane: 1.5
-   pixels. Where the plane is met so near the border, the edge or the limit of the angle, either verdict is right. */
+/* Surfaces are flat within a texel, so a ray meets one up to half a texel and a step beside where it meets the plane:
+   1.5 pixels. Where the plane is met so near the border, the edge or the limit of the angle, either verdict is
+   right. */
 static const double footprint = 1.5;
 
 static bool is_seen(const stage* s, const plane* planes, const double pixel[2], double dx, double dy) {
@@ -307,7 +291,7 @@ static int check_mirror(const setup* p, plane floor, plane wall) {
     assert_true(100 * wrong <= hits);
     assert_true(5 * doubtful <= hits + misses);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
     return misses;
 }
 
@@ -343,8 +327,8 @@ static void test_mirror(void** state) {
     assert_true(misses > 200);
 }
 
-/* A mirror that leans by 45 degrees sends what an orthographic camera sees along the image, but for a degree that the normal
-   cannot tell, towards the eye or away. */
+/* A mirror that leans by 45 degrees sends what an orthographic camera sees along the image, but for a degree that the
+   normal cannot tell, towards the eye or away. */
 static void test_parallel_to_the_image(void** state) {
     static const setup flat = {97, 53, 0, 2, DGB_EFFECT_REFLECT, 0.0f, true, DGB_CLIP_ZERO_TO_ONE};
     const plane wall = plane_of(-15.0, 135.0, 0.0);
@@ -361,11 +345,12 @@ static void test_before_the_near_plane(void** state) {
     (void)state;
     floor.d = -0.02;
     assert_true(plane_z(&s, &floor, centre) > -0.05); /* the near plane is at -0.1 */
-    close_stage(&s);
+    stage_close(&s);
     check_mirror(&plain, floor, plane_of(-10.0, 90.0, 0.0));
 }
 
-/* The two sides of a ridge, each of which sends its rays away from the other; at the border they leave the image at once. */
+/* The two sides of a ridge, each of which sends its rays away from the other; at the border they leave the image at
+   once. */
 static void test_out_of_the_image(void** state) {
     const plane sides[2] = {plane_of(-10.0, 90.0, 40.0), plane_of(-10.0, 90.0, -40.0)};
     int guard, x, y;
@@ -387,7 +372,7 @@ static void test_out_of_the_image(void** state) {
         r = shade(&s);
         assert_int_equal(count_hits(&s, &r), 0);
         drop(&r);
-        close_stage(&s);
+        stage_close(&s);
     }
 }
 
@@ -414,7 +399,7 @@ static void test_no_self_hits(void** state) {
                 assert_int_equal(count_hits(s, &r), 0);
                 drop(&r);
             }
-        close_stage(&of[0]), close_stage(&of[1]);
+        stage_close(&of[0]), stage_close(&of[1]);
     }
 }
 
@@ -482,7 +467,7 @@ static void check_hidden(int layers) {
     assert_true(layers > 1 ? found == hidden : found == 0);
     assert_int_equal(right, open);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_second_layer(void** state) {
@@ -508,8 +493,8 @@ static void count_sheet(stage* s, const plane planes[2], double low, double high
     drop(&r);
 }
 
-/* Whoever passes behind the sheet by more than its thickness does not meet it, and the first layer ends where the second
-   begins at the latest. */
+/* Whoever passes behind the sheet by more than its thickness does not meet it, and the first layer ends where the
+   second begins at the latest. */
 static void test_thickness(void** state) {
     const plane sheet = plane_of(-4.0, 90.0, 0.0), behind = plane_of(-4.25, 90.0, 0.0);
     setup p = plain;
@@ -533,7 +518,7 @@ static void test_thickness(void** state) {
         count_sheet(&s, planes, -4.9, -4.05, counts);
         if (layers > 1) assert_true(counts[1] == 0 && counts[2] > 20);
         if (layers < 2) assert_true(counts[1] > 20 && counts[2] == 0);
-        close_stage(&s);
+        stage_close(&s);
     }
 }
 
@@ -573,7 +558,7 @@ static void test_back_faces(void** state) {
             assert_true(cases[i].met ? counts[1] > 20 : counts[1] == 0);
             assert_int_equal(counts[2], 0);
         }
-        close_stage(&s);
+        stage_close(&s);
     }
     thickness_from = DGB_THICKNESS_LAYERS;
 }
@@ -610,7 +595,7 @@ static void check_limit(int steps, float distance) {
         }
     assert_true(near > 20 && far > 20);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_limits(void** state) {
@@ -647,7 +632,7 @@ static void test_strides(void** state) {
         assert_true(100 * right >= 99 * hits && hits > 200);
         drop(&r);
     }
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* >> confidence */
@@ -677,7 +662,7 @@ static void test_border(void** state) {
     }
     assert_true(faded > 50);
     drop(&sharp), drop(&soft);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* A ray that comes to a wall from before it is sure of what it meets, but where it grazes the wall. */
@@ -707,7 +692,7 @@ static int check_confidence(plane wall) {
             assert_true(fabs((double)r.reflection[4 * (y * plain.width + x) + 3] - facing) < 1e-3);
         }
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
     return oblique;
 }
 
@@ -739,7 +724,7 @@ static void test_with_other_effects(void** state) {
     assert_memory_equal(ra.hit, rc.hit, bytes);
     assert_int_equal(dgb_get_texture(&a.c, DGB_ROTATIONS).id, 0); /* nor is there a spiral to turn */
     drop(&ra), drop(&rb), drop(&rc);
-    close_stage(&a), close_stage(&b), close_stage(&c);
+    stage_close(&a), stage_close(&b), stage_close(&c);
 }
 
 /* A mirror shows what the wall sends on of last frame's light. */
@@ -764,11 +749,9 @@ static void test_bounced_light(void** state) {
     drop(&r);
     light = (float*)malloc((size_t)(4 * count) * sizeof *light);
     for (i = 0; i < 4 * count; ++i) light[i] = 1.0f;
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(&s.c, DGB_IRRADIANCE)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, p.width, p.height, GL_RGBA, GL_FLOAT, light);
-    glBindTexture(GL_TEXTURE_2D, 0);
+    fixture_put_image(&s.c, DGB_IRRADIANCE, 4, light);
     r = shade(&s);
-    b0 = fixture_read(dgb_get_texture(&s.c, DGB_B0), 0, 0, p.width, p.height, 0, GL_RGB, 3);
+    b0 = fixture_image(&s.c, DGB_B0, 0, 3);
     for (i = 0, hits = 0; i < count; ++i)
         if (r.reflection[4 * i + 3] > 0.0f) {
             ++hits;
@@ -777,7 +760,7 @@ static void test_bounced_light(void** state) {
     assert_true(hits > 200);
     free(light), free(b0);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* Of a result, RGBA, what a texel of one of the layers adds to a mirror: albedo/pi * confidence * E. */
@@ -786,8 +769,8 @@ static double indirect(const float* irradiance, const float albedo[3], int k) {
     return (double)albedo[k] / pi * (double)irradiance[k] * (double)irradiance[3];
 }
 
-/* Floor, wall, sheet, and the wall again behind the sheet. Radiance says which texel a mirror shows, so the reflection without
-   light tells where it looks, and what the light adds is known from that texel's irradiance. */
+/* Floor, wall, sheet, and the wall again behind the sheet. Radiance says which texel a mirror shows, so the reflection
+   without light tells where it looks, and what the light adds is known from that texel's irradiance. */
 static void check_indirect(int layers, int guard, float guard_fraction) {
     static const float albedo[2][3] = {{0.9f, 0.5f, 0.0f}, {0.25f, 1.0f, 0.75f}};
     const plane sheet = plane_of(-4.0, 90.0, 0.0);
@@ -812,9 +795,7 @@ static void check_indirect(int layers, int guard, float guard_fraction) {
     drop(&rb); /* leaves light all over the guard band */
     b.params.guard_fraction = guard_fraction;
     ra = shade(&a), rb = shade(&b);
-    for (l = 0; l < layers; ++l)
-        light[l] = fixture_read(dgb_get_texture(&b.c, l ? DGB_IRRADIANCE1 : DGB_IRRADIANCE), 0, 0, b.m.width,
-                                b.m.height, 0, GL_RGBA, 4);
+    for (l = 0; l < layers; ++l) light[l] = fixture_image(&b.c, l ? DGB_IRRADIANCE1 : DGB_IRRADIANCE, 0, 4);
     for (at = 0; at < b.m.width * b.m.height; ++at) {
         const float *before = ra.reflection + 4 * at, *after = rb.reflection + 4 * at;
         const int inset = guard - (int)((float)guard * guard_fraction + 0.5f);
@@ -841,7 +822,7 @@ static void check_indirect(int layers, int guard, float guard_fraction) {
     assert_true(guard_fraction < 1.0f ? dark > 5 : dark < seen[0] / 20);
     free(light[0]), free(light[1]);
     drop(&ra), drop(&rb);
-    close_stage(&a), close_stage(&b);
+    stage_close(&a), stage_close(&b);
 }
 
 static void test_indirect_light(void** state) {
@@ -864,7 +845,7 @@ static void check_no_hits(const setup* p, const plane* planes, int count, float 
     check_range(&s, &r);
     assert_int_equal(count_hits(&s, &r), 0);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 /* The back of a wall is nothing that anyone knows. */
@@ -880,7 +861,7 @@ static void check_turned_wall(const plane planes[2]) {
     r = shade(&s);
     assert_int_equal(count_hits(&s, &r), 0);
     drop(&r);
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static void test_no_mirror(void** state) {
@@ -927,28 +908,12 @@ static void test_nan_normals(void** state) {
         if (kind == 0) assert_true(count_hits(&s, &none) > 200);
         drop(&facing), drop(&none);
     }
-    close_stage(&s);
+    stage_close(&s);
 }
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static float random_unit(void) { return (float)(random_bits() >> 8) / 16777216.0f; }
+static float random_unit(void) { return (float)(lcg_bits(&random_state) >> 8) / 16777216.0f; }
 
 static void test_any_input(void** state) {
     static const setup setups[] = {
@@ -968,12 +933,15 @@ static void test_any_input(void** state) {
         for (frame = 0; frame < 16; ++frame) {
             result r;
             put_planes(&s, planes, 2);
-            for (k = 0; k < s.m.width * s.m.height; ++k) s.m.back[k] = frame % 4 ? random_unit() : random_pattern();
+            for (k = 0; k < s.m.width * s.m.height; ++k)
+                s.m.back[k] = frame % 4 ? random_unit() : lcg_pattern(&random_state);
             for (kind = 0; kind < IMAGE_KINDS; ++kind)
                 for (l = 0; l < 2; ++l)
                     for (k = 0; k < (kind == IMAGE_DEPTH ? 1 : 3) * s.m.width * s.m.height; ++k) {
-                        const bool odd = random_bits() >> 16 < 1u << frame;
-                        if (odd) s.m.texels[kind][l][k] = frame % 2 ? random_pattern() : random_unit() * 2.0f - 0.5f;
+                        const bool odd = lcg_bits(&random_state) >> 16 < 1u << frame;
+                        if (odd)
+                            s.m.texels[kind][l][k] =
+                                frame % 2 ? lcg_pattern(&random_state) : random_unit() * 2.0f - 0.5f;
                     }
             s.params.reflect_stride = 1 + frame;
             s.params.reflect_thickness = frame % 3 ? 0.5f : frame % 2 ? 1e-15f : 1e14f;
@@ -983,7 +951,7 @@ static void test_any_input(void** state) {
             hits += count_hits(&s, &r);
             drop(&r);
         }
-        close_stage(&s);
+        stage_close(&s);
     }
     assert_true(hits > 1000);
 }

@@ -1,5 +1,6 @@
 /* Engines that misbehave, and frames that are no ordinary ones: every oracle and emission goes on with a defined result. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -172,12 +173,9 @@ static dgb_view view_at(int frame, int width, int height) {
 
 /* >> state: everything that the library promises to restore, scrambled and compared */
 
-static unsigned random_state;
+static uint32_t random_state;
 
-static unsigned random_below(unsigned n) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (random_state >> 8) % n;
-}
+static unsigned random_below(unsigned n) { return (lcg(&random_state) >> 8) % n; }
 
 static const GLenum capabilities[] = {GL_DEPTH_TEST,          GL_STENCIL_TEST,
                                       GL_CULL_FACE,           GL_DITHER,
@@ -538,8 +536,6 @@ static void free_image(image* all) {
     int i;
     for (i = 0; i < RESULT_COUNT; ++i) free(all->data[i]);
 }
-
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
 
 static void expect_equal(const image* a, const image* b, const char* what) {
     int i;

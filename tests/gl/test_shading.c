@@ -1,6 +1,7 @@
 /* dgb_shade: every full-screen pass against a double-precision reference, pixel by pixel; and what must hold
    for any image. */
 #include "gl_fixture.h"
+#include "numbers.h"
 #include "reference.h"
 #include "tally.h"
 
@@ -44,17 +45,10 @@ static void* counting_get_proc(const char* name) {
 static const dgb_context* raw_context; /* whose raw images the next reconstruction shall find replaced */
 static const float *raw_ao, *raw_irradiance;
 
-static void replace_image(dgb_slot slot, GLenum format, const float* texels) {
-    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(raw_context, slot)));
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, raw_context->plan.width, raw_context->plan.height, format, GL_FLOAT,
-                    texels);
-    glBindTexture(GL_TEXTURE_2D, 0);
-}
-
 static dgb_result replacing_pass_begin(void* user, const dgb_pass* pass) {
     if (pass->id == DGB_PASS_RECONSTRUCT && raw_context) {
-        replace_image(DGB_AO_RAW, GL_RED, raw_ao);
-        replace_image(DGB_IRRADIANCE_RAW, GL_RGBA, raw_irradiance);
+        fixture_put_image(raw_context, DGB_AO_RAW, 1, raw_ao);
+        fixture_put_image(raw_context, DGB_IRRADIANCE_RAW, 4, raw_irradiance);
         raw_context = NULL;
     }
     return f.gl.backend.pass_begin(user, pass);
@@ -70,7 +64,6 @@ typedef struct setup {
     dgb_format depth_format;
     fixture_view view;
     float shift[2]; /* of the image plane, for off-centre projections */
-    float scale;    /* of the whole world */
     bool moving, nothing;
     const float* uniform_radiance; /* every texel's, null: the scene's */
     const dgb_backend* backend;
@@ -95,17 +88,12 @@ static setup default_setup(void) {
     s.frames = 1;
     s.oracle = DGB_ORACLE_PEEL;
     s.view = fixture_default_view();
-    s.scale = 1.0f;
     s.params = dgb_preset(DGB_PRESET_BALANCED);
     return s;
 }
 
 static dgb_desc desc_of(const setup* s) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = s->width;
-    d.height = s->height;
-    d.guard_band = s->guard;
+    dgb_desc d = fixture_desc(&f, &s->view, s->width, s->height, s->guard);
     d.layers = s->layers;
     d.divisor = s->divisor;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
@@ -113,10 +101,7 @@ static dgb_desc desc_of(const setup* s) {
     d.senders = s->senders;
     d.normaliser = s->normaliser;
     d.depth_format = s->depth_format;
-    d.clip = s->view.clip;
-    d.reversed = s->view.reversed;
-    d.backend = s->backend ? s->backend : &f.gl.backend;
-    d.log = fixture_log;
+    if (s->backend) d.backend = s->backend;
     return d;
 }
 
@@ -133,59 +118,27 @@ static dgb_view view_at(const setup* s, int frame) {
         v.eye[0] += 0.045f * (float)frame;
         v.yaw += 0.006f * (float)frame;
     }
-    v.near_plane *= s->scale;
-    v.far_plane *= s->scale;
     view = fixture_dgb_view(&v, s->width, s->height);
-    for (i = 0; i < 15; ++i) view.view[i] *= s->scale;
     for (i = 0; i < 2; ++i) view.projection[v.fov > 0.0f ? 8 + i : 12 + i] += s->shift[i];
     for (i = 0; i < 4; ++i) f.offsets[i] = s->moving ? 0.1f * (float)(frame + i - 2) : 0.0f;
     return view;
-}
-
-static float* read_image(const dgb_context* c, dgb_slot slot, int level, GLenum format, int channels) {
-    return fixture_read(dgb_get_texture(c, slot), level, 0, reference_size(c->plan.width, level),
-                        reference_size(c->plan.height, level), 0, format, channels);
-}
-
-static GLenum format_of(int channels) {
-    static const GLenum formats[] = {GL_RED, GL_RED, GL_RG, GL_RGB, GL_RGBA};
-    return formats[channels];
-}
-
-static float* read_shaded(const dgb_context* c, dgb_slot slot, int channels) {
-    float* image = read_image(c, slot, 0, format_of(channels), channels);
-    fixture_blank_unshaded(c, image, channels);
-    return image;
-}
-
-/* Packed z says DGB_EMPTY_Z where the functions, and the reference, say 0. */
-static void empty_to_zero(float* z, int count) {
-    int i;
-    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
-}
-
-static float* read_level(const shot* s, dgb_slot slot, int level) {
-    const int channels = slot == DGB_Z ? s->r.layers : slot == DGB_NORMALS ? 2 * s->r.layers : 3;
-    float* image = read_image(&s->c, slot, level, format_of(channels), channels);
-    if (slot == DGB_Z) empty_to_zero(image, channels * (s->c.plan.width >> level) * (s->c.plan.height >> level));
-    return image;
 }
 
 static void read_shot(shot* s, const dgb_params* q) {
     const dgb_context* c = &s->c;
     s->r.layers = c->plan.layers < 2 ? 1 : 2;
     fixture_shaded_rect(c, q, s->rect);
-    s->z = read_level(s, DGB_Z, 0);
-    s->normals = read_level(s, DGB_NORMALS, 0);
-    s->radiance[0] = read_level(s, DGB_B0, 0);
-    s->radiance[1] = s->r.layers > 1 ? read_level(s, DGB_B1, 0) : NULL;
-    s->ao_raw = read_shaded(c, DGB_AO_RAW, 1);
-    s->ao = read_shaded(c, DGB_AO, 1);
-    s->irradiance_raw = read_shaded(c, DGB_IRRADIANCE_RAW, 4);
+    s->z = fixture_z(c, 0);
+    s->normals = fixture_image(c, DGB_NORMALS, 0, 2 * s->r.layers);
+    s->radiance[0] = fixture_image(c, DGB_B0, 0, 3);
+    s->radiance[1] = fixture_image(c, DGB_B1, 0, 3);
+    s->ao_raw = fixture_shaded(c, DGB_AO_RAW, 1);
+    s->ao = fixture_shaded(c, DGB_AO, 1);
+    s->irradiance_raw = fixture_shaded(c, DGB_IRRADIANCE_RAW, 4);
     s->irradiance_half = fixture_read_half(dgb_get_texture(c, DGB_HALF), c->plan.width, c->plan.height, &s->ao_half);
     fixture_blank_unshaded(c, s->irradiance_half, 4);
     fixture_blank_unshaded(c, s->ao_half, 1);
-    s->irradiance = read_shaded(c, DGB_IRRADIANCE, 4);
+    s->irradiance = fixture_shaded(c, DGB_IRRADIANCE, 4);
     reference_open(&s->r, c, s->z, s->normals, (const float* const*)s->radiance);
 }
 
@@ -310,14 +263,14 @@ static void compare_levels(const shot* s) {
     for (level = 1; level < s->r.levels; ++level) {
         const size_t texels =
             (size_t)reference_size(s->r.width, level) * (size_t)reference_size(s->r.height, level) * sizeof(float);
-        float *z = read_level(s, DGB_Z, level), *normals = read_level(s, DGB_NORMALS, level),
-              *b = read_level(s, DGB_B0, level);
+        float *z = fixture_z(&s->c, level), *normals = fixture_image(&s->c, DGB_NORMALS, level, 2 * s->r.layers),
+              *b = fixture_image(&s->c, DGB_B0, level, 3);
         assert_memory_equal(z, s->r.z[level], texels * (size_t)s->r.layers);
         assert_memory_equal(normals, s->r.normals[level], texels * (size_t)(2 * s->r.layers));
         assert_memory_equal(b, s->r.radiance[0][level], texels * 3);
         free(z), free(normals), free(b);
         if (s->r.layers == 1) continue;
-        b = read_level(s, DGB_B1, level);
+        b = fixture_image(&s->c, DGB_B1, level, 3);
         assert_memory_equal(b, s->r.radiance[1][level], texels * 3);
         free(b);
     }
@@ -544,29 +497,28 @@ static void close_engine(engine* e) {
     glDeleteTextures(6, e->textures);
 }
 
-static dgb_desc engine_desc(const engine* e, int layers, dgb_normals normals) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = e->width;
-    d.height = e->height;
-    d.layers = layers;
-    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
-    d.source = DGB_SOURCE_ENGINE;
-    d.clip = DGB_CLIP_ZERO_TO_ONE;
-    d.reversed = true;
-    d.normals = normals;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
-    return d;
-}
-
 /* Depth in a reversed infinite projection: near / distance. */
-static dgb_view engine_view(const engine* e) {
+static fixture_view engine_camera(void) {
     fixture_view v = fixture_default_view();
     v.reversed = true;
     v.clip = DGB_CLIP_ZERO_TO_ONE;
     v.far_plane = 0.0f;
+    return v;
+}
+
+static dgb_view engine_view(const engine* e) {
+    const fixture_view v = engine_camera();
     return fixture_dgb_view(&v, e->width, e->height);
+}
+
+static dgb_desc engine_desc(const engine* e, int layers, dgb_normals normals) {
+    const fixture_view v = engine_camera();
+    dgb_desc d = fixture_desc(&f, &v, e->width, e->height, 0);
+    d.layers = layers;
+    d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
+    d.source = DGB_SOURCE_ENGINE;
+    d.normals = normals;
+    return d;
 }
 
 static shot shade_engine(const engine* e, int layers, dgb_normals normals, const dgb_params* q) {
@@ -591,22 +543,8 @@ static shot shade_engine(const engine* e, int layers, dgb_normals normals, const
 
 static uint32_t random_state = 1u;
 
-static uint32_t random_bits(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return random_state ^ random_state >> 15;
-}
-
-static float random_in(float low, float high) { return low + (high - low) * (float)(random_bits() >> 8) / 16777216.0f; }
-
-/* Any bit pattern, with those that matter more often than chance has them. */
-static float random_pattern(void) {
-    static const uint32_t special[] = {0x7fc00000u, 0x7f800000u, 0xff800000u, 0x80000000u, 0x00000001u, 0x7f7fffffu,
-                                       0xff7fffffu, 0x3f800000u, 0x00000000u, 0x7f800001u, 0xffc12345u, 0x47800000u};
-    uint32_t bits = random_bits() ^ random_bits() << 16;
-    float x;
-    if (random_bits() & 0x40000u) bits = special[(random_bits() >> 8) % (sizeof special / sizeof special[0])];
-    memcpy(&x, &bits, sizeof x);
-    return x;
+static float random_in(float low, float high) {
+    return low + (high - low) * (float)(lcg_bits(&random_state) >> 8) / 16777216.0f;
 }
 
 static void fill_random(engine* e) {
@@ -664,9 +602,9 @@ static void test_any_input(void** state) {
             fill_random(&e);
             for (layer = 0; layer < 2; ++layer)
                 for (i = 0; i < 3 * e.width * e.height; ++i) {
-                    if (round == 1 && i < e.width * e.height) e.depth[layer][i] = random_pattern();
-                    e.normal[layer][i] = random_pattern();
-                    e.radiance[layer][i] = random_pattern();
+                    if (round == 1 && i < e.width * e.height) e.depth[layer][i] = lcg_pattern(&random_state);
+                    e.normal[layer][i] = lcg_pattern(&random_state);
+                    e.radiance[layer][i] = lcg_pattern(&random_state);
                 }
             q.ao_epsilon = round == 2 ? 0.0f : q.ao_epsilon;
             s = shade_engine(&e, 2, (dgb_normals)normals, &q);
@@ -812,7 +750,7 @@ static void test_scale(void** state) {
     for (k = 0; k < 2; ++k) {
         s = default_setup();
         s.uniform_radiance = radiance;
-        s.scale = scales[k];
+        s.view.scale = scales[k];
         s.params.separation *= scales[k], s.params.ao_radius *= scales[k], s.params.radius *= scales[k];
         b = take(&s);
         for (i = 0; i < 2 * texels; ++i) assert_true(b.z[i] == a.z[i] * scales[k]);
@@ -931,7 +869,7 @@ static void test_noise(void** state) {
     shot t;
     (void)state;
     raw_images(&s, &ao, &irradiance);
-    for (i = 0; i < texels; ++i) ao[i] = (float)(random_bits() >> 24) / 255.0f;
+    for (i = 0; i < texels; ++i) ao[i] = (float)(lcg_bits(&random_state) >> 24) / 255.0f;
     for (i = 0; i < 4 * texels; ++i) irradiance[i] = i % 4 == 3 ? random_in(0.0f, 1.0f) : expf(random_in(-6.0f, 6.0f));
     for (fraction = 0; fraction < 3; ++fraction) {
         s.params.guard_fraction = 0.5f * (float)fraction;
@@ -969,14 +907,14 @@ static void test_presets_switch(void** state) {
     (void)state;
     build_shot(&s, &t);
     assert_int_equal(dgb_shade(&t.c, &s.params), DGB_OK);
-    before = read_image(&t.c, DGB_IRRADIANCE, 0, GL_RGBA, 4);
+    before = fixture_image(&t.c, DGB_IRRADIANCE, 0, 4);
     programs = created_programs;
     shaders = compiled_shaders;
     assert_true(programs > 0 && shaders > 0); /* the counters count */
     for (preset = 0; preset < 2 * DGB_PRESET_COUNT; ++preset) {
         const dgb_params q = dgb_preset((dgb_preset_id)(preset % DGB_PRESET_COUNT));
         assert_int_equal(dgb_shade(&t.c, &q), DGB_OK);
-        again = read_image(&t.c, DGB_IRRADIANCE, 0, GL_RGBA, 4);
+        again = fixture_image(&t.c, DGB_IRRADIANCE, 0, 4);
         if (preset % DGB_PRESET_COUNT != DGB_PRESET_BALANCED)
             assert_memory_not_equal(again, before, (size_t)(4 * t.c.plan.width * t.c.plan.height) * sizeof(float));
         free(again);

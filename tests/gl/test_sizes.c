@@ -31,20 +31,15 @@ typedef struct engine {
 } engine;
 
 static engine start(dgb_estimator estimator, const int size[2]) {
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, size[0], size[1], GUARD);
     engine e;
-    dgb_desc d;
     memset(&e, 0, sizeof e);
-    memset(&d, 0, sizeof d);
-    d.width = size[0];
-    d.height = size[1];
-    d.guard_band = GUARD;
     d.estimator = estimator;
     d.tracer = DGB_TRACER_HIERARCHICAL;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL | DGB_EFFECT_REFLECT |
                 DGB_EFFECT_GLOSSY;
     if (estimator == DGB_ESTIMATOR_BITMASK) d.effects |= DGB_EFFECT_BENT;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     assert_int_equal(dgb_init(&e.context, &d), DGB_OK);
     e.user.f = &f;
     e.user.program = fixture_program(&e.context);
@@ -70,7 +65,7 @@ static void run_frame(engine* e) {
 static float* read_result(const engine* e, int result, size_t* count) {
     const dgb_plan* plan = &e->context.plan;
     const dgb_texture texture = dgb_get_texture(&e->context, results[result].slot);
-    const size_t row = (size_t)(e->context.desc.width * results[result].channels);
+    const size_t row = (size_t)e->context.desc.width * (size_t)results[result].channels;
     float* all;
     int y;
     *count = texture.id ? row * (size_t)e->context.desc.height : 0;
@@ -110,7 +105,8 @@ static void expect_equal(const engine* a, const engine* b, int frame) {
     }
 }
 
-/* Every size twice: the second time as many GL objects are left as the first, which differ between sizes by their levels. */
+/* Every size twice: the second time as many GL objects are left as the first, which differ between sizes by their
+   levels. */
 static void check_sizes(dgb_estimator estimator) {
     engine resized = start(estimator, sizes[SIZES - 1]), fresh;
     int objects[SIZES], round, i, frame;

@@ -1,5 +1,6 @@
 /* Tiles: skipping the second layer where it cannot matter changes no bit of any result, and skips something. */
 #include "gl_fixture.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,18 +35,10 @@ static setup default_setup(void) {
 }
 
 static dgb_desc desc_of(const setup* s) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = s->width;
-    d.height = s->height;
-    d.guard_band = s->guard;
+    dgb_desc d = fixture_desc(&f, &s->view, s->width, s->height, s->guard);
     d.divisor = s->divisor;
     d.effects = s->effects;
     d.senders = s->senders;
-    d.reversed = s->view.reversed;
-    d.clip = s->view.clip;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     return d;
 }
 
@@ -90,17 +83,12 @@ static float* read_tiles(const dgb_context* c, int* count) {
 
 /* Pixels of the shaded rectangle in which two contexts' images differ. */
 static int differing(const dgb_context* a, const dgb_context* b, const dgb_params* q, dgb_slot slot, int channels) {
-    const GLenum format = channels == 1 ? GL_RED : GL_RGBA;
-    const int width = a->plan.width, height = a->plan.height;
-    const int inset = a->desc.guard_band - (int)((float)a->desc.guard_band * q->guard_fraction + 0.5f);
-    float *x, *y;
-    int i, j, count = 0;
-    if (!dgb_get_texture(a, slot).id) return 0;
-    x = fixture_read(dgb_get_texture(a, slot), 0, 0, width, height, 0, format, channels);
-    y = fixture_read(dgb_get_texture(b, slot), 0, 0, width, height, 0, format, channels);
-    for (j = inset; j < height - inset; ++j)
-        for (i = inset; i < width - inset; ++i) {
-            const size_t at = (size_t)(j * width + i) * (size_t)channels;
+    float *x = fixture_image(a, slot, 0, channels), *y = fixture_image(b, slot, 0, channels);
+    int rect[4], i, j, count = 0;
+    fixture_shaded_rect(a, q, rect);
+    for (j = rect[1]; x && j <= rect[3]; ++j)
+        for (i = rect[0]; i <= rect[2]; ++i) {
+            const size_t at = (size_t)(j * a->plan.width + i) * (size_t)channels;
             count += memcmp(x + at, y + at, (size_t)channels * sizeof(float)) != 0;
         }
     free(x);
@@ -211,10 +199,7 @@ static GLuint upload(GLint internal, GLenum format, const setup* s, const float*
 
 static uint32_t random_state = 1u;
 
-static float random_unit(void) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (float)(random_state >> 8) / 16777216.0f;
-}
+static float random_unit(void) { return (float)lcg_unit(&random_state); }
 
 /* Window depth of camera z. */
 static float depth_of(const dgb_view* view, float z) {
@@ -222,8 +207,8 @@ static float depth_of(const dgb_view* view, float z) {
     return 0.5f * (p[10] * z + p[14]) / (p[11] * z + p[15]) + 0.5f;
 }
 
-/* A wall 10 m away whose normals point anywhere, and few texels up to half a metre behind it: whether one is within reach of a pixel
-   hangs on its depth and its place, by a little. */
+/* A wall 10 m away whose normals point anywhere, and few texels up to half a metre behind it: whether one is within
+   reach of a pixel hangs on its depth and its place, by a little. */
 static void scatter(const setup* s, const dgb_view* view, GLuint names[5], dgb_layers* layers) {
     const int count = s->width * s->height;
     float* depth[2] = {(float*)malloc((size_t)count * sizeof(float)), (float*)malloc((size_t)count * sizeof(float))};
@@ -277,15 +262,10 @@ static void test_scattered(void** state) {
         view = fixture_dgb_view(&s.view, s.width, s.height);
         scatter(&s, &view, names, &layers);
         for (k = 0; k < 2; ++k) {
-            dgb_desc d;
-            memset(&d, 0, sizeof d);
-            d.width = s.width;
-            d.height = s.height;
+            dgb_desc d = fixture_desc(&f, &s.view, s.width, s.height, 0);
             d.effects = s.effects;
             d.source = DGB_SOURCE_ENGINE;
             d.normals = DGB_NORMALS_FLOAT;
-            d.backend = &f.gl.backend;
-            d.log = fixture_log;
             assert_int_equal(dgb_init(&c[k], &d), DGB_OK);
             s.params.adaptive = k == 0;
             assert_int_equal(dgb_set_layers(&c[k], &view, &layers), DGB_OK);

@@ -168,14 +168,10 @@ static void check_block(GLuint program, const block* expected) {
 }
 
 static dgb_desc desc_of(int layers) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = 64;
-    d.height = 48;
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, 64, 48, 0);
     d.layers = layers;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     return d;
 }
 

@@ -1,5 +1,5 @@
-/* What the full-screen passes cost on a GPU, without a GPU: every variant is compiled for NAVI21 by Mesa's RADV, and none
-   is run.
+/* What the full-screen passes cost on a GPU, without a GPU: every variant is compiled for NAVI21 by Mesa's RADV, and
+   none is run.
        gpu_cost [DIRECTORY]      default build; writes DIRECTORY/gpu_cost.csv, and the shaders to DIRECTORY/gpu_cost/
    Where the driver or glslangValidator is missing it says so, writes no table and ends well. */
 #define _POSIX_C_SOURCE 200112L /* mkdir */
@@ -42,8 +42,8 @@ static bool is_bitmask(const dgb_program_desc* p) {
     return false;
 }
 
-/* The bits of the pixel's place along the Hilbert curve; then, for each layer that receives, slices, to both sides, and within
-   them the steps of all. */
+/* The bits of the pixel's place along the Hilbert curve; then, for each layer that receives, slices, to both sides, and
+   within them the steps of all. */
 static int find_bitmask_trips(const dgb_program_desc* p, const dgb_params* q, double trips[ISA_MAX_LOOPS]) {
     const int receivers = 1 + define_of(p, "DGB_DEEP"), sides = 2 * q->slices;
     const int taps = p->pass == DGB_PASS_AO ? q->ao_samples : q->samples;
@@ -57,12 +57,13 @@ static int find_bitmask_trips(const dgb_program_desc* p, const dgb_params* q, do
 }
 
 /* Trips of each loop of a pass in the order of the text, in all, and how many loops there are. The gather's taps have a
-   loop for each thing that the second layer may be in a tile: receiver, sender, of no matter; those of occlusion have one,
-   and a branch within it. all: it is all that this variant knows; else it is of no matter. */
+   loop for each thing that the second layer may be in a tile: receiver, sender, of no matter; those of occlusion have
+   one, and a branch within it. all: it is all that this variant knows; else it is of no matter. */
 static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, double trips[ISA_MAX_LOOPS]) {
     const int layers = define_of(p, "DGB_LAYERS"), deep = define_of(p, "DGB_DEEP");
     const int step = define_of(p, "DGB_TILES_STEP");
     const int tap_loops = p->pass == DGB_PASS_AO ? 1 : layers + deep;
+    const int taps_on_a_side = q->filter_taps / 2;
     int count = 0, k;
     if (is_bitmask(p)) return find_bitmask_trips(p, q, trips);
     switch (p->pass) {
@@ -82,7 +83,7 @@ static int find_trips(const dgb_program_desc* p, const dgb_params* q, bool all, 
         for (k = 0; k <= deep; ++k) trips[k] = 4;
         return 1 + deep;
     case DGB_PASS_RECONSTRUCT: /* a tap on either side */
-        for (k = 0; k <= deep; ++k) trips[k] = q->filter_taps / 2;
+        for (k = 0; k <= deep; ++k) trips[k] = taps_on_a_side;
         return 1 + deep;
     case DGB_PASS_REFLECT: /* until something is hit; to refine that; further, where it does not stand */
         trips[0] = ASSUMED_REFLECT_STEPS;
@@ -114,7 +115,8 @@ typedef struct variant {
     double texel_bytes[ISA_MAX_TEXTURES]; /* by binding */
 } variant;
 
-/* "DGB_NORMAL_TEST" 1 becomes " normal_test=1"; what is off is left out, as is the resolution, which is full everywhere. */
+/* "DGB_NORMAL_TEST" 1 becomes " normal_test=1"; what is off is left out, as is the resolution, which is full
+   everywhere. */
 static void name_variant(const dgb_program_desc* p, char* name, size_t capacity) {
     size_t used = (size_t)snprintf(name, capacity, "%s", dgb_pass_name(p->pass));
     int i;
@@ -122,7 +124,7 @@ static void name_variant(const dgb_program_desc* p, char* name, size_t capacity)
     for (i = 0; i < p->define_count; ++i) {
         const dgb_define d = p->defines[i];
         const bool says_nothing =
-            d.value == 0 && strcmp(d.name, "DGB_TILES_STEP") && strcmp(d.name, "DGB_BITMASK_LIGHT");
+            d.value == 0 && strcmp(d.name, "DGB_TILES_STEP") != 0 && strcmp(d.name, "DGB_BITMASK_LIGHT") != 0;
         if (says_nothing || strcmp(d.name, "DGB_DIVISOR") == 0) continue;
         used += (size_t)snprintf(name + used, capacity - used, " %s=%d", d.name + strlen("DGB_"), d.value);
     }
@@ -231,8 +233,8 @@ typedef struct figures { /* for 64 pixels, fetches and bytes for one */
 /* Loops whose count of trips is a constant may have been unrolled. */
 static bool may_unroll(dgb_pass_id pass) { return pass == DGB_PASS_TILES || pass == DGB_PASS_TEMPORAL; }
 
-/* Whether all branches are those that look at the second layer, which a tile where it is of no matter skips. The bitmask has
-   others as well: what it saves there is not told. */
+/* Whether all branches are those that look at the second layer, which a tile where it is of no matter skips. The
+   bitmask has others as well: what it saves there is not told. */
 static bool tile_branches(const dgb_program_desc* p) { return p->pass == DGB_PASS_AO && !is_bitmask(p); }
 
 static figures figures_of(const variant* v, const dgb_params* q, bool all) {

@@ -40,6 +40,24 @@ static void write_plan(const char* directory, const dgb_desc* desc) {
     }
 }
 
+static void write_view_stage(const char* directory, const char* name, dgbgl_stage stage, int version, bool es) {
+    dgbgli_text t = dgbgli_text_on(text, sizeof text);
+    dgbgli_chunks c = {{NULL}, 0};
+    int i;
+    dgbgli_put_view_head(&t, version, es);
+    dgbgli_view_chunks(stage, &c);
+    for (i = 0; i < c.count; ++i) dgbgli_put(&t, c.pieces[i]);
+    write_text(directory, name, stage == DGBGL_VERTEX ? "vert" : "frag", t.length);
+}
+
+/* The program of dgbgl_draw_view, which no plan has. */
+static void write_view(const char* directory, int version, bool es) {
+    char name[32];
+    snprintf(name, sizeof name, "view_%s%d", es ? "es" : "gl", version);
+    write_view_stage(directory, name, DGBGL_VERTEX, version, es);
+    write_view_stage(directory, name, DGBGL_FRAGMENT, version, es);
+}
+
 typedef struct variant { /* of the snippets */
     dgb_emission emission;
     int version;
@@ -200,6 +218,9 @@ int main(int argc, char** argv) {
                 write_plan(argv[1], &desc);
             }
         }
+    write_view(argv[1], 330, false);
+    write_view(argv[1], 450, false);
+    write_view(argv[1], 300, true);
     write_all_snippets(argv[1]);
     return 0;
 }

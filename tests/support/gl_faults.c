@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h> /* for its values and types: nothing of it is called */
 
+#include <math.h>
 #include <string.h>
 
 static struct faults {
@@ -76,35 +77,32 @@ static GLuint fault_CreateProgram(void) { return fails("glCreateProgram") ? 0 : 
 
 /* >> storage */
 
-typedef void (*clear_texture)(GLuint texture, GLint level, GLenum format, GLenum type, const void* data);
-
-static GLuint bound_texture(GLenum target) {
-    GLint name = 0;
-    f.gl.GetIntegerv(target == GL_TEXTURE_2D ? GL_TEXTURE_BINDING_2D : GL_TEXTURE_BINDING_2D_ARRAY, &name);
-    return (GLuint)name;
-}
-
-/* 0.37 where there is no NaN: neither of the values that textures are cleared to. */
-static void poison(GLenum target, GLsizei levels, GLenum internal) {
-    static const uint32_t nan_bits[4] = {0x7fc00000u, 0x7fc00000u, 0x7fc00000u, 0x7fc00000u};
-    static const GLuint odd_integers[4] = {0xdeadbeefu, 0xdeadbeefu, 0xdeadbeefu, 0xdeadbeefu};
-    static const GLfloat odd[4] = {0.37f, 0.37f, 0.37f, 0.37f};
+void gl_faults_fill(dgbgl_get_proc_fn gl, GLenum target, GLsizei levels, GLenum internal, int number) {
     const bool depth =
         internal == GL_DEPTH_COMPONENT16 || internal == GL_DEPTH_COMPONENT24 || internal == GL_DEPTH_COMPONENT32F;
     const bool integer = internal == GL_R32UI || internal == GL_RG32UI || internal == GL_RGBA32UI;
     const bool unorm = internal == GL_R8 || internal == GL_RG8 || internal == GL_RGBA8;
-    clear_texture clear;
-    void* address = f.get_proc("glClearTexImage");
-    GLint level;
-    memcpy(&clear, &address, sizeof clear);
-    for (level = 0; level < levels; ++level) {
-        if (depth)
-            clear(bound_texture(target), level, GL_DEPTH_COMPONENT, GL_FLOAT, odd);
-        else if (integer)
-            clear(bound_texture(target), level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, odd_integers);
-        else
-            clear(bound_texture(target), level, GL_RGBA, GL_FLOAT, unorm ? (const void*)odd : (const void*)nan_bits);
-    }
+    const float part = number ? (float)(number % 255) / 255.0f : 0.37f; /* textures are cleared to 0 or 1 */
+    const float whole = number == 0 ? NAN : number % 2 ? (float)number : -(float)number;
+    const GLfloat value = depth || unorm ? part : whole, values[4] = {value, value, value, value};
+    const GLuint code = number ? (GLuint)number : 0xdeadbeefu, codes[4] = {code, code, code, code};
+    void (*get_integer)(GLenum name, GLint * value);
+    void (*clear)(GLuint texture, GLint level, GLenum format, GLenum type, const void* data);
+    void *get_address = gl("glGetIntegerv"), *clear_address = gl("glClearTexImage");
+    GLint texture = 0, level;
+    memcpy(&get_integer, &get_address, sizeof get_integer);
+    memcpy(&clear, &clear_address, sizeof clear);
+    get_integer(target == GL_TEXTURE_2D ? GL_TEXTURE_BINDING_2D : GL_TEXTURE_BINDING_2D_ARRAY, &texture);
+    for (level = 0; level < levels; ++level)
+        clear((GLuint)texture, level,
+              depth     ? GL_DEPTH_COMPONENT
+              : integer ? GL_RGBA_INTEGER
+                        : GL_RGBA,
+              integer ? GL_UNSIGNED_INT : GL_FLOAT, integer ? (const void*)codes : (const void*)values);
+}
+
+static void poison(GLenum target, GLsizei levels, GLenum internal) {
+    gl_faults_fill(f.get_proc, target, levels, internal, 0);
     ++f.poisoned;
 }
 

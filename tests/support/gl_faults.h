@@ -1,6 +1,6 @@
-/* Stands between the library and an OpenGL, as its get_proc. It counts what may fail on a good day, the look-up of an entry
-   point, the making of an object, storage, a shader, a framebuffer, and lets one of these fail; and it can fill fresh textures
-   with NaN. Everything else goes through. */
+/* Stands between the library and an OpenGL, as its get_proc. It counts what may fail on a good day, the look-up of an
+   entry point, the making of an object, storage, a shader, a framebuffer, and lets one of these fail; and it can fill
+   fresh textures with NaN. Everything else goes through. */
 #ifndef GL_FAULTS_H
 #define GL_FAULTS_H
 
@@ -20,5 +20,9 @@ void gl_faults_watch(void (*draw)(void));
 /* Whether textures are filled as they get storage: floats with NaN, all else with what stands out. Needs OpenGL 4.4. */
 void gl_faults_poison(bool on);
 int gl_faults_poisoned(void); /* textures so far */
+
+/* Fills the levels of the bound texture, poisoned like this, or, by a number other than 0, with what differs from number to
+   number. */
+void gl_faults_fill(dgbgl_get_proc_fn gl, unsigned target, int levels, unsigned internal, int number);
 
 #endif

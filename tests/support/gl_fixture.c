@@ -1,9 +1,14 @@
 #include "gl_fixture.h"
+#include "gl_faults.h"
+#include "numbers.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 /* >> context */
 
@@ -16,46 +21,30 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
     printf("# GL message: %s\n", text);
 }
 
-/* Every fresh texture is full of numbers of its own, as on a driver that hands out memory as it finds it: the library leaves
+/* Fresh textures are full of numbers of their own, as on a driver that hands out memory as it finds it: the library leaves
    undefined what is not shaded, and a test that looks there fails. test_guest.c shows with NaN that the library does not. */
-static void poison(GLenum target, GLenum binding, int levels) {
+static void fill_fresh(GLenum target, GLsizei levels, GLenum format) {
     static int count;
-    GLint name, depth, type, level;
-    GLfloat numbers[4];
-    GLuint integers[4];
-    int i;
-    glGetIntegerv(binding, &name);
-    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_DEPTH_SIZE, &depth);
-    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_RED_TYPE, &type);
-    ++count;
-    for (i = 0; i < 4; ++i) {
-        integers[i] = (GLuint)count;
-        numbers[i] = (float)(count % 2 ? count : -count);
-        if (depth || type == GL_UNSIGNED_NORMALIZED) numbers[i] = (float)(count % 255) / 255.0f;
-    }
-    for (level = 0; level < levels; ++level)
-        if (type == GL_UNSIGNED_INT)
-            glClearTexImage((GLuint)name, level, GL_RGBA_INTEGER, GL_UNSIGNED_INT, integers);
-        else
-            glClearTexImage((GLuint)name, level, depth ? GL_DEPTH_COMPONENT : GL_RGBA, GL_FLOAT, numbers);
+    GLint width;
+    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_WIDTH, &width);
+    if (width > 0) gl_faults_fill(headless_get_proc, target, levels, format, ++count); /* else there was no memory */
 }
 
-static void GLAPIENTRY poisoned_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width,
-                                           GLsizei height) {
+static void GLAPIENTRY filled_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
     glTexStorage2D(target, levels, format, width, height);
-    poison(target, GL_TEXTURE_BINDING_2D, levels);
+    fill_fresh(target, levels, format);
 }
 
-static void GLAPIENTRY poisoned_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
-                                           GLsizei layers) {
+static void GLAPIENTRY filled_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
+                                         GLsizei layers) {
     glTexStorage3D(target, levels, format, width, height, layers);
-    poison(target, GL_TEXTURE_BINDING_2D_ARRAY, levels);
+    fill_fresh(target, levels, format);
 }
 
 void* fixture_get_proc(const char* name) {
     const bool flat = strcmp(name, "glTexStorage2D") == 0, layered = strcmp(name, "glTexStorage3D") == 0;
-    PFNGLTEXSTORAGE2DPROC storage_2d = poisoned_storage_2d;
-    PFNGLTEXSTORAGE3DPROC storage_3d = poisoned_storage_3d;
+    PFNGLTEXSTORAGE2DPROC storage_2d = filled_storage_2d;
+    PFNGLTEXSTORAGE3DPROC storage_3d = filled_storage_3d;
     void* address = headless_get_proc(name);
     if (epoxy_gl_version() < 44 || !epoxy_is_desktop_gl()) return address; /* no glClearTexImage */
     if (flat) memcpy(&address, &storage_2d, sizeof address);
@@ -81,12 +70,9 @@ typedef struct vertex {
     float position[3], normal[3], color[3];
 } vertex;
 
-static unsigned random_state;
+static uint32_t random_state;
 
-static float random_between(float low, float high) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return low + (high - low) * (float)(random_state >> 8) / 16777216.0f;
-}
+static float random_between(float low, float high) { return low + (high - low) * (float)lcg_unit(&random_state); }
 
 static int add_quad(vertex* out, int count, const float corner[3], const float u[3], const float v[3],
                     const float color[3]) {
@@ -167,7 +153,8 @@ static void upload_scene(fixture* f) {
     glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-/* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower (tests/gl/opinions.sh). */
+/* A desktop context is of the version asked for, or of DGB_GL_VERSION=MAJOR.MINOR where that is lower
+   (tests/gl/opinions.sh). */
 static bool limit_version(int* major, int* minor) {
     const char* text = getenv("DGB_GL_VERSION");
     int limit[2];
@@ -244,6 +231,7 @@ fixture_view fixture_default_view(void) {
     v.fov = 60.0f;
     v.near_plane = 0.1f;
     v.far_plane = 60.0f;
+    v.scale = 1.0f;
     return v;
 }
 
@@ -265,7 +253,7 @@ static void view_matrix(const fixture_view* v, float m[16]) {
 static void projection_matrix(const fixture_view* v, float aspect, float m[16]) {
     const double low = v->clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0;
     const double at_near = v->reversed ? 1.0 : low, at_far = v->reversed ? low : 1.0;
-    const double n = v->near_plane, f = v->far_plane;
+    const double n = (double)(v->near_plane * v->scale), f = (double)(v->far_plane * v->scale);
     memset(m, 0, sizeof(float) * 16);
     if (v->fov > 0.0f) {
         const double scale = 1.0 / tan(v->fov * 3.14159265358979 / 360.0);
@@ -285,11 +273,26 @@ static void projection_matrix(const fixture_view* v, float aspect, float m[16]) 
 
 dgb_view fixture_dgb_view(const fixture_view* v, int width, int height) {
     dgb_view view;
+    int i;
     memset(&view, 0, sizeof view);
     view_matrix(v, view.view);
+    for (i = 0; i < 15; ++i) view.view[i] *= v->scale;
     projection_matrix(v, (float)width / (float)height, view.projection);
     memcpy(view.jitter, v->jitter, sizeof view.jitter);
     return view;
+}
+
+dgb_desc fixture_desc(const fixture* f, const fixture_view* v, int width, int height, int guard_band) {
+    dgb_desc d;
+    memset(&d, 0, sizeof d);
+    d.width = width;
+    d.height = height;
+    d.guard_band = guard_band;
+    d.clip = v->clip;
+    d.reversed = v->reversed;
+    d.backend = &f->gl.backend;
+    d.log = fixture_log;
+    return d;
 }
 
 /* >> drawing */
@@ -417,6 +420,47 @@ int fixture_count_objects(void) {
     return count;
 }
 
+static size_t texture_bytes(GLuint name) {
+    static const GLenum sizes[] = {GL_TEXTURE_RED_SIZE,   GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE,
+                                   GL_TEXTURE_ALPHA_SIZE, GL_TEXTURE_DEPTH_SIZE, GL_TEXTURE_STENCIL_SIZE};
+    GLint width = 1, height, depth, size, level;
+    size_t bits, bytes = 0, i;
+    for (level = 0; level < 15; ++level) {
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_WIDTH, &width);
+        if (width == 0) break;
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_HEIGHT, &height);
+        glGetTextureLevelParameteriv(name, level, GL_TEXTURE_DEPTH, &depth);
+        for (bits = i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+            glGetTextureLevelParameteriv(name, level, sizes[i], &size);
+            bits += (size_t)size;
+        }
+        bytes += (size_t)width * (size_t)height * (size_t)depth * bits / 8;
+    }
+    return bytes;
+}
+
+size_t fixture_count_bytes(void) {
+    GLint64 size;
+    GLuint name;
+    size_t bytes = 0;
+    for (name = 1; name < 4096; ++name) {
+        if (glIsTexture(name)) bytes += texture_bytes(name);
+        if (!glIsBuffer(name)) continue;
+        glGetNamedBufferParameteri64v(name, GL_BUFFER_SIZE, &size);
+        bytes += (size_t)size;
+    }
+    return bytes;
+}
+
+size_t fixture_count_heap(void) {
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+#else
+    return 0;
+#endif
+}
+
 /* >> reading */
 
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
@@ -430,6 +474,31 @@ float* fixture_read(dgb_texture texture, int level, int layer, int width, int he
     glBindTexture(target, 0);
     if (layers) memmove(all, all + image * (size_t)layer, image * sizeof(float));
     return all;
+}
+
+static const GLenum formats[] = {0, GL_RED, GL_RG, GL_RGB, GL_RGBA}; /* by channels */
+
+float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels) {
+    const dgb_texture texture = dgb_get_texture(c, slot);
+    if (!texture.id) return NULL;
+    return fixture_read(texture, level, 0, c->plan.width >> level, c->plan.height >> level, 0, formats[channels],
+                        channels);
+}
+
+float* fixture_z(const dgb_context* c, int level) {
+    const int layers = c->plan.layers < DGB_MAX_SHADED_LAYERS ? c->plan.layers : DGB_MAX_SHADED_LAYERS;
+    const int count = layers * (c->plan.width >> level) * (c->plan.height >> level);
+    float* z = fixture_image(c, DGB_Z, level, layers);
+    int i;
+    for (i = 0; i < count; ++i) z[i] = z[i] == DGB_EMPTY_Z ? 0.0f : z[i];
+    return z;
+}
+
+void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const float* texels) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glBindTexture(GL_TEXTURE_2D, dgbgl_texture_name(dgb_get_texture(c, slot)));
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, c->plan.width, c->plan.height, formats[channels], GL_FLOAT, texels);
+    glBindTexture(GL_TEXTURE_2D, 0);
 }
 
 void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]) {
@@ -448,6 +517,12 @@ void fixture_blank_unshaded(const dgb_context* c, float* image, int channels) {
             if (x >= rect[0] && y >= rect[1] && x <= rect[2] && y <= rect[3]) continue;
             for (k = 0; k < channels; ++k) image[(y * c->plan.width + x) * channels + k] = 0.0f;
         }
+}
+
+float* fixture_shaded(const dgb_context* c, dgb_slot slot, int channels) {
+    float* image = fixture_image(c, slot, 0, channels);
+    fixture_blank_unshaded(c, image, channels);
+    return image;
 }
 
 /* A number of 6 bits of exponent and 10 of mantissa. */

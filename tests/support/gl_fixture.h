@@ -1,5 +1,5 @@
-/* What the GL tests share: a headless context that counts messages, and a small engine with a little scene (a room of boxes
-   and columns, one of them moving) that draws into the layers. */
+/* What the GL tests share: a headless context that counts messages, and a small engine with a little scene (a room of
+   boxes and columns, one of them moving) that draws into the layers. */
 #ifndef GL_FIXTURE_H
 #define GL_FIXTURE_H
 
@@ -29,6 +29,7 @@ typedef struct fixture_view { /* where the camera is; `fixture_default_view` sta
     bool reversed;
     dgb_clip clip;
     float jitter[2];
+    float scale; /* of the whole world, planes included */
 } fixture_view;
 
 /* 0 when it works: a GL core (or ES) context of the version, current; the scene uploaded. Prints why not. */
@@ -42,8 +43,8 @@ bool fixture_offers(const fixture* f, const dgb_desc* desc);
 /* headless_get_proc; fresh textures are full of numbers of their own, where there is OpenGL 4.4. */
 void* fixture_get_proc(const char* name);
 
-/* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages, which
-   stands last in its list. For files that include cmocka.h. */
+/* The frame of a test program with one context: open_context and close_context for its group, and test_no_messages,
+   which stands last in its list. For files that include cmocka.h. */
 #define FIXTURE_CONTEXT(f, major, minor, es)               \
     static void test_no_messages(void** state) {           \
         (void)state;                                       \
@@ -62,6 +63,8 @@ void* fixture_get_proc(const char* name);
 
 fixture_view fixture_default_view(void);
 dgb_view fixture_dgb_view(const fixture_view* v, int width, int height);
+/* For images of that view: its size, clip space, the fixture's backend, and fixture_log. */
+dgb_desc fixture_desc(const fixture* f, const fixture_view* v, int width, int height, int guard_band);
 
 /* Links the fixture's material program for a context; 0 and a printed log when it fails. */
 GLuint fixture_program(const dgb_context* context);
@@ -79,18 +82,29 @@ void fixture_draw(void* user, const dgb_draw* draw);
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
                     int channels);
 
-/* The pixels that are shaded: the image and the guard band's share of params. x0, y0, x1, y1, inclusive. */
+/* A level of an image as large as the buffer, `channels` floats a texel; null where there is no such texture. Caller
+   frees. */
+float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels);
+/* DGB_Z, of one layer or two, 0 where there is no surface. Caller frees. */
+float* fixture_z(const dgb_context* c, int level);
+/* Replaces level 0. */
+void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const float* texels);
+/* The pixels that are shaded: x0, y0, x1, y1, inclusive. */
 void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]);
-
 /* Zeros where an image of the context's size is not shaded: there it is undefined, and no test may look. Null: nothing. */
 void fixture_blank_unshaded(const dgb_context* c, float* image, int channels);
+/* Level 0 of what shading made, blank where it is not shaded. Like fixture_image. */
+float* fixture_shaded(const dgb_context* c, dgb_slot slot, int channels);
 
-/* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient visibility,
-   unless null. Caller frees both. Null where there is no such texture. */
+/* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient
+   visibility, unless null. Caller frees both. Null where there is no such texture. */
 float* fixture_read_half(dgb_texture texture, int width, int height, float** ao);
 
 /* Objects alive in the context, of names below 4096. */
 int fixture_count_objects(void);
+/* Bytes of the textures and buffers among them, as GL gives their sizes; and of the process's heap, 0 where nobody counts. */
+size_t fixture_count_bytes(void);
+size_t fixture_count_heap(void);
 
 /* A dgb_log_fn that prints. */
 void fixture_log(void* user, dgb_result result, dgb_log_item item, const char* sentence);

@@ -18,8 +18,10 @@ images images_open(int width, int height) {
             m.texels[kind][layer] =
                 (float*)calloc((size_t)width * (size_t)height * (size_t)channels_of(kind), sizeof(float));
     m.back = (float*)calloc((size_t)width * (size_t)height, sizeof(float));
+    m.roughness = (float*)calloc((size_t)width * (size_t)height, sizeof(float));
     glGenTextures(2 * IMAGE_KINDS, m.textures[0]);
     glGenTextures(1, &m.back_texture);
+    glGenTextures(1, &m.roughness_texture);
     return m;
 }
 
@@ -28,8 +30,10 @@ void images_close(images* m) {
     for (kind = 0; kind < IMAGE_KINDS; ++kind)
         for (layer = 0; layer < 2; ++layer) free(m->texels[kind][layer]);
     free(m->back);
+    free(m->roughness);
     glDeleteTextures(2 * IMAGE_KINDS, m->textures[0]);
     glDeleteTextures(1, &m->back_texture);
+    glDeleteTextures(1, &m->roughness_texture);
 }
 
 float* images_at(const images* m, image_kind kind, int layer, int x, int y) {
@@ -70,6 +74,7 @@ dgb_layers images_upload(const images* m) {
                                         kind == IMAGE_DEPTH ? GL_RED : GL_RGB, m, m->texels[kind][layer]);
     memset(&layers, 0, sizeof layers);
     layers.back = upload(m->back_texture, GL_R32F, GL_RED, m, m->back);
+    layers.roughness = upload(m->roughness_texture, GL_R32F, GL_RED, m, m->roughness);
     glBindTexture(GL_TEXTURE_2D, 0);
     memcpy(layers.depth, given[IMAGE_DEPTH], sizeof layers.depth);
     memcpy(layers.normal, given[IMAGE_NORMAL], sizeof layers.normal);
@@ -79,28 +84,45 @@ dgb_layers images_upload(const images* m) {
     return layers;
 }
 
-dgb_view images_view(const images* m, int guard) {
+static fixture_view camera(void) {
     fixture_view v = fixture_default_view();
     v.reversed = true;
     v.clip = DGB_CLIP_ZERO_TO_ONE;
     v.near_plane = near_plane;
     v.far_plane = 0.0f;
+    return v;
+}
+
+dgb_view images_view(const images* m, int guard) {
+    const fixture_view v = camera();
     return fixture_dgb_view(&v, m->width - 2 * guard, m->height - 2 * guard);
 }
 
-dgb_desc images_desc(const images* m, int guard, int layers, uint32_t effects, const dgb_backend* backend) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = m->width - 2 * guard;
-    d.height = m->height - 2 * guard;
-    d.guard_band = guard;
+dgb_desc images_desc(const fixture* f, const images* m, int guard, int layers, uint32_t effects) {
+    const fixture_view v = camera();
+    dgb_desc d = fixture_desc(f, &v, m->width - 2 * guard, m->height - 2 * guard, guard);
     d.layers = layers;
     d.effects = effects;
     d.source = DGB_SOURCE_ENGINE;
-    d.clip = DGB_CLIP_ZERO_TO_ONE;
-    d.reversed = true;
     d.normals = DGB_NORMALS_FLOAT;
-    d.backend = backend;
-    d.log = fixture_log;
     return d;
+}
+
+void stage_init(stage* s, int width, int height, int guard) {
+    memset(s, 0, sizeof *s);
+    s->guard = guard;
+    s->m = images_open(width, height);
+    s->view = images_view(&s->m, guard);
+    s->params = dgb_preset(DGB_PRESET_QUALITY);
+}
+
+void stage_close(stage* s) {
+    dgb_shutdown(&s->c);
+    images_close(&s->m);
+}
+
+dgb_result stage_shade(stage* s) {
+    const dgb_layers layers = images_upload(&s->m);
+    const dgb_result result = dgb_set_layers(&s->c, &s->view, &layers);
+    return result ? result : dgb_shade(&s->c, &s->params);
 }

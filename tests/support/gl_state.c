@@ -1,4 +1,5 @@
 #include "gl_state.h"
+#include "numbers.h"
 
 #include <epoxy/gl.h>
 
@@ -315,8 +316,6 @@ void gl_state_free(gl_state* s) {
 
 int gl_state_count(const gl_state* s) { return s->value_count; }
 
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
 static bool same(const gl_state* a, const gl_state* b, int i) {
     const entry *x = &a->entries[i], *y = &b->entries[i];
     return x->count == y->count &&
@@ -344,12 +343,9 @@ int gl_state_compare(const gl_state* a, const gl_state* b, char* text, size_t si
 
 /* >> disorder */
 
-static unsigned random_state;
+static uint32_t random_state;
 
-static unsigned below(unsigned n) {
-    random_state = random_state * 1664525u + 1013904223u;
-    return (random_state >> 8) % n;
-}
+static unsigned below(unsigned n) { return (lcg(&random_state) >> 8) % n; }
 
 static GLboolean coin(void) { return below(2) ? GL_TRUE : GL_FALSE; }
 

@@ -1,22 +1,11 @@
 #include "mathematics.h"
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <string.h>
 
 /* >> words */
-
-static float float_of(uint32_t word) {
-    float x;
-    memcpy(&x, &word, sizeof x);
-    return x;
-}
-
-static uint32_t word_of(float x) {
-    uint32_t word;
-    memcpy(&word, &x, sizeof word);
-    return word;
-}
 
 static void floats_of(const uint32_t* words, float* x, int count) { memcpy(x, words, (size_t)count * sizeof *x); }
 
@@ -28,26 +17,19 @@ static int int_of(uint32_t word) {
     return word >> 31 ? -(int)size : (int)size;
 }
 
-static uint32_t random_word(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
-
 void mathematics_inputs(uint64_t* seed, uint32_t* in, int count) {
     static const uint32_t borders[] = {
         0u,          0x80000000u /* -0 */,       0x3f800000u /* 1 */, 0xbf800000u, 0x00000001u /* subnormal */,
         0x807fffffu, 0x00800000u /* FLT_MIN */,  0x3f7fffffu,         0x3f800001u, 0x7f7fffffu /* FLT_MAX */,
         0xff7fffffu, 0x7f800000u /* infinity */, 0xff800000u,         0x7fc00000u, 0xffc00001u /* NaN */,
         0x7f800001u, 0x5f3759dfu /* 1.3e19 */,   0x477c0000u /* 64512 */};
-    const uint32_t kinds = random_word(seed); /* a call in four is of ordinary numbers alone */
+    const uint32_t kinds = random_bits(seed); /* a call in four is of ordinary numbers alone */
     int i;
     for (i = 0; i < count; ++i) {
-        const uint32_t word = random_word(seed), kind = kinds % 4u == 0u ? 3u : word & 3u;
+        const uint32_t word = random_bits(seed), kind = kinds % 4u == 0u ? 3u : word & 3u;
         in[i] = kind == 0u   ? borders[(word >> 2) % (sizeof borders / sizeof borders[0])]
-                : kind == 1u ? random_word(seed)
-                             : word_of((float)((int)(word >> 8) - 8388608) / 4194304.0f);
+                : kind == 1u ? random_bits(seed)
+                             : bits_of((float)((int)(word >> 8) - 8388608) / 4194304.0f);
     }
 }
 
@@ -80,7 +62,7 @@ static void call_unpack_normals(const uint32_t* in, uint32_t* out) {
     words_of(n, out, 6);
 }
 
-static void call_storable(const uint32_t* in, uint32_t* out) { out[0] = word_of(dgb_storable(float_of(in[0]))); }
+static void call_storable(const uint32_t* in, uint32_t* out) { out[0] = bits_of(dgb_storable(from_bits(in[0]))); }
 
 static void call_r11g11b10f_pack(const uint32_t* in, uint32_t* out) {
     float rgb[3];
@@ -95,11 +77,15 @@ static void call_r11g11b10f_unpack(const uint32_t* in, uint32_t* out) {
 }
 
 static void call_half_from_float(const uint32_t* in, uint32_t* out) {
-    out[0] = dgb_half_from_float(float_of(in[0])) & 0x7fffu;
+    out[0] = dgb_half_from_float(from_bits(in[0])) & 0x7fffu;
 }
 
 static void call_half_to_float(const uint32_t* in, uint32_t* out) {
-    out[0] = word_of(dgb_half_to_float((uint16_t)(in[0] >> 16)));
+    out[0] = bits_of(dgb_half_to_float((uint16_t)(in[0] >> 16)));
+}
+
+static void call_dithered(const uint32_t* in, uint32_t* out) {
+    out[0] = bits_of(dgb_dithered(from_bits(in[0]), from_bits(in[1])));
 }
 
 /* >> taps */
@@ -139,7 +125,7 @@ static void call_pixel_quad(const uint32_t* in, uint32_t* out) {
 }
 
 static void call_mip_level(const uint32_t* in, uint32_t* out) {
-    out[0] = (uint32_t)dgb_mip_level(float_of(in[0]), int_of(in[1]), 0, DGB_MAX_LEVELS - 1);
+    out[0] = (uint32_t)dgb_mip_level(from_bits(in[0]), int_of(in[1]), 0, DGB_MAX_LEVELS - 1);
 }
 
 static void call_mip_levels(const uint32_t* in, uint32_t* out) {
@@ -163,7 +149,7 @@ static dgb_camera camera_of(const uint32_t* in, dgb_result* result) {
     float p[16] = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, -1.0f, 0.0f, 0.0f, -0.2f, 0.0f};
     const uint32_t odd = in[0] % 16u;
     memset(&camera, 0, sizeof camera);
-    if (odd < 6u) p[entries[odd]] = float_of(in[1]);
+    if (odd < 6u) p[entries[odd]] = from_bits(in[1]);
     *result =
         dgb_camera_from_matrix(p, int_of(in[2]), int_of(in[3]), (dgb_clip)(in[0] >> 8 & 1u), in[0] >> 9 & 1u, &camera);
     return camera;
@@ -194,72 +180,72 @@ static void call_widen_projection(const uint32_t* in, uint32_t* out) {
 }
 
 static void call_depth_code(const uint32_t* in, uint32_t* out) {
-    out[0] = word_of(dgb_depth_code(float_of(in[0]), float_of(in[1])));
+    out[0] = bits_of(dgb_depth_code(from_bits(in[0]), from_bits(in[1])));
 }
 
 static void call_linear_z(const uint32_t* in, uint32_t* out) {
     dgb_camera camera;
     memcpy(&camera, in + 1, sizeof camera);
-    out[0] = word_of(dgb_linear_z(float_of(in[0]), &camera));
+    out[0] = bits_of(dgb_linear_z(from_bits(in[0]), &camera));
 }
 
 static void call_separation_limit(const uint32_t* in, uint32_t* out) {
     dgb_camera camera;
     memcpy(&camera, in + 2, sizeof camera);
-    out[0] = word_of(dgb_separation_limit(float_of(in[0]), (dgb_format)(in[1] % DGB_FORMAT_COUNT), &camera));
+    out[0] = bits_of(dgb_separation_limit(from_bits(in[0]), (dgb_format)(in[1] % DGB_FORMAT_COUNT), &camera));
 }
 
 static void call_position(const uint32_t* in, uint32_t* out) {
     dgb_camera camera;
     float point[3];
     memcpy(&camera, in + 3, sizeof camera);
-    dgb_position(float_of(in[0]), float_of(in[1]), float_of(in[2]), &camera, point);
+    dgb_position(from_bits(in[0]), from_bits(in[1]), from_bits(in[2]), &camera, point);
     words_of(point, out, 3);
 }
 
 static void call_pixels_per_metre(const uint32_t* in, uint32_t* out) {
     dgb_camera camera;
     memcpy(&camera, in + 1, sizeof camera);
-    out[0] = word_of(dgb_pixels_per_metre(float_of(in[0]), &camera));
+    out[0] = bits_of(dgb_pixels_per_metre(from_bits(in[0]), &camera));
 }
 
 /* >> layers, ambient occlusion and radiosity */
 
 static void call_keep_test(const uint32_t* in, uint32_t* out) {
-    out[0] = dgb_keep_test(float_of(in[0]), float_of(in[1]), float_of(in[2]));
+    out[0] = dgb_keep_test(from_bits(in[0]), from_bits(in[1]), from_bits(in[2]));
 }
 
 static void call_ao_term(const uint32_t* in, uint32_t* out) {
     float v[6];
     floats_of(in, v, 6);
-    out[0] = word_of(dgb_ao_term(v, v + 3, float_of(in[6]), float_of(in[7]), float_of(in[8])));
+    out[0] = bits_of(dgb_ao_term(v, v + 3, from_bits(in[6]), from_bits(in[7]), from_bits(in[8])));
 }
 
 static void call_ambient_visibility(const uint32_t* in, uint32_t* out) {
-    out[0] = word_of(dgb_ambient_visibility(float_of(in[0]), int_of(in[1])));
+    out[0] = bits_of(dgb_ambient_visibility(from_bits(in[0]), int_of(in[1])));
 }
 
 static void call_gather_term(const uint32_t* in, uint32_t* out) {
     float v[9];
     floats_of(in, v, 9);
-    out[0] = word_of(dgb_gather_term(v, v + 3, v + 6, float_of(in[9]), in[10] & 1u));
+    out[0] = bits_of(dgb_gather_term(v, v + 3, v + 6, from_bits(in[9]), in[10] & 1u));
 }
 
 static void call_gather_scale(const uint32_t* in, uint32_t* out) {
-    out[0] = word_of(dgb_gather_scale(float_of(in[0]), int_of(in[1]), float_of(in[2])));
+    out[0] = bits_of(dgb_gather_scale(from_bits(in[0]), int_of(in[1]), from_bits(in[2])));
 }
 
 /* The factors are parameters, which are finite. */
 static void call_boost(const uint32_t* in, uint32_t* out) {
     float albedo[3];
     floats_of(in, albedo, 3);
-    out[0] = word_of(dgb_boost(albedo, (float)(in[3] >> 16) / 65536.0f, (float)(in[4] >> 16) / 65536.0f));
+    out[0] = bits_of(dgb_boost(albedo, (float)(in[3] >> 16) / 65536.0f, (float)(in[4] >> 16) / 65536.0f));
 }
 
 static void call_bilateral_weight(const uint32_t* in, uint32_t* out) {
     float v[9];
     floats_of(in, v, 9);
-    out[0] = word_of(dgb_bilateral_weight(v, v + 3, v + 6, float_of(in[9]), float_of(in[10])));
+    out[0] = bits_of(dgb_bilateral_weight(v, v + 3, v + 6, from_bits(in[9]), from_bits(in[10])));
 }
 
 /* >> visibility bitmask */
@@ -273,7 +259,7 @@ static void slice_of(const uint32_t* in, float slice[4]) {
     dgb_slice(v, v + 3, v + 6, slice);
 }
 
-static void call_arc_sine(const uint32_t* in, uint32_t* out) { out[0] = word_of(dgb_arc_sine(float_of(in[0]))); }
+static void call_arc_sine(const uint32_t* in, uint32_t* out) { out[0] = bits_of(dgb_arc_sine(from_bits(in[0]))); }
 
 static void call_slice_along(const uint32_t* in, uint32_t* out) {
     float v[9], along[3];
@@ -286,20 +272,20 @@ static void call_slice(const uint32_t* in, uint32_t* out) {
     float slice[4];
     slice_of(in, slice);
     words_of(slice, out, 3);
-    out[3] = word_of(slice[3] * 1e-5f); /* at most 1e5 */
+    out[3] = bits_of(slice[3] * 1e-5f); /* at most 1e5 */
 }
 
 static void call_slice_share(const uint32_t* in, uint32_t* out) {
     float slice[4], q[2];
     slice_of(in, slice);
     floats_of(in + 9, q, 2);
-    out[0] = word_of(dgb_slice_share(slice, q));
+    out[0] = bits_of(dgb_slice_share(slice, q));
 }
 
 static void call_slice_angle(const uint32_t* in, uint32_t* out) {
     float slice[4];
     slice_of(in, slice);
-    out[0] = word_of(dgb_slice_angle(slice, float_of(in[9])));
+    out[0] = bits_of(dgb_slice_angle(slice, from_bits(in[9])));
 }
 
 static void call_slice_sum(const uint32_t* in, uint32_t* out) {
@@ -310,7 +296,7 @@ static void call_slice_sum(const uint32_t* in, uint32_t* out) {
 }
 
 static void call_sectors(const uint32_t* in, uint32_t* out) {
-    out[0] = dgb_sectors(float_of(in[0]), float_of(in[1]), float_of(in[2]));
+    out[0] = dgb_sectors(from_bits(in[0]), from_bits(in[1]), from_bits(in[2]));
 }
 
 static void call_sector_count(const uint32_t* in, uint32_t* out) { out[0] = (uint32_t)dgb_sector_count(in[0]); }
@@ -325,12 +311,12 @@ static void call_sectors_mean(const uint32_t* in, uint32_t* out) {
 static void call_bent_cosine(const uint32_t* in, uint32_t* out) {
     float bent[4];
     floats_of(in, bent, 4);
-    out[0] = word_of(dgb_bent_cosine(bent));
+    out[0] = bits_of(dgb_bent_cosine(bent));
 }
 
 /* >> reflections */
 
-static void call_ggx_alpha(const uint32_t* in, uint32_t* out) { out[0] = word_of(dgb_ggx_alpha(float_of(in[0]))); }
+static void call_ggx_alpha(const uint32_t* in, uint32_t* out) { out[0] = bits_of(dgb_ggx_alpha(from_bits(in[0]))); }
 
 static void call_ggx_normal(const uint32_t* in, uint32_t* out) {
     float v[9], h[3];
@@ -342,7 +328,7 @@ static void call_ggx_normal(const uint32_t* in, uint32_t* out) {
 static void call_ggx_density(const uint32_t* in, uint32_t* out) {
     float v[10];
     floats_of(in, v, 10);
-    out[0] = word_of(dgb_ggx_density(v, v + 3, v + 6, v[9]));
+    out[0] = bits_of(dgb_ggx_density(v, v + 3, v + 6, v[9]));
 }
 
 /* >> all of them, in the header's order */
@@ -361,6 +347,7 @@ const mathematics_function mathematics[] = {
     {"dgb_r11g11b10f_unpack", true, 1, 3, MATHEMATICS_WORDS, 0, 0, call_r11g11b10f_unpack},
     {"dgb_half_from_float", true, 1, 1, MATHEMATICS_COUNTS, 0, 0x7bff, call_half_from_float},
     {"dgb_half_to_float", true, 1, 1, MATHEMATICS_WORDS, 0, 0, call_half_to_float},
+    {"dgb_dithered", true, 2, 1, MATHEMATICS_WORDS, 0, 0, call_dithered},
     {"dgb_spiral_turns", true, 1, 1, MATHEMATICS_COUNTS, 0, 820265627, call_spiral_turns},
     {"dgb_spiral_tap", false, 2, 3, MATHEMATICS_FLOATS, -1, 1, call_spiral_tap},
     {"dgb_rotation", false, 1, 2, MATHEMATICS_FLOATS, -1, 1, call_rotation},

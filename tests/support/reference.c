@@ -659,18 +659,13 @@ static void mix(const dgb_params* q, double raw, double old, double old_error, d
              (weight > 0.0 ? 4.0 * REFERENCE_EPSILON * (fabs(old) + fabs(raw)) : 0.0);
 }
 
-/* From irradiance times confidence to irradiance; none where hardly a tap has found any for long. */
+/* From irradiance times confidence to irradiance; none where no tap has found any. */
 static void unweigh(reference_mean* m) {
-    const double least = m->value[3] - m->error[3], nothing = 1.0 / 512.0;
+    const double least = m->value[3] - m->error[3];
     int i;
-    m->unsure = m->unsure || fabs(m->value[3] - nothing) <= m->error[3];
-    if (m->value[3] <= nothing) {
-        memset(m->value, 0, sizeof m->value);
-        memset(m->error, 0, sizeof m->error);
-        return;
-    }
+    m->unsure = m->unsure || (m->value[3] > 0.0 && least <= 0.0);
     for (i = 0; i < 3; ++i) {
-        m->value[i] = m->value[i] / m->value[3];
+        m->value[i] = m->value[3] > 0.0 ? m->value[i] / m->value[3] : 0.0;
         m->error[i] = least > 0.0 ? (m->error[i] + m->value[i] * m->error[3]) / least : 0.0;
         m->error[i] += 8.0 * REFERENCE_EPSILON * m->value[i];
     }

@@ -1,5 +1,6 @@
 // The trade of speed for accuracy, measured: what each setting of each effect costs, and how far its picture is from the truth.
-//     trade [--quick] [--estimators | --thickness | --questions | --budget | --check-budget] [--size WxH] [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
+//     trade [--quick] [--estimators | --thickness | --questions | --budget | --check-budget] [--size WxH]
+//           [--random COUNT] [--rays N] [--seed N] [SCENE[@ex,ey,ez,tx,ty,tz,fov[,sx,sy,sz]]]...
 // Without a scene: the procedural ones. Writes build/trade/trade.csv and build/trade/trade.svg, and the tables that the
 // documentation shows. What was measured is in build/trade/rows.csv and is not measured again: remove it to start afresh.
 //

@@ -1,6 +1,7 @@
 /* The mathematics of the visibility bitmask: numbers to sample with, slices of the hemisphere, their shares, and sectors. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,19 +14,6 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static double random_unit(uint64_t* state) { return ((double)random_bits(state) + 0.5) / 4294967296.0; }
 
@@ -230,6 +218,20 @@ static void test_share_of_a_facing_surface(void** state) {
     }
 }
 
+/* Where only a millionth of the direction is across the line of sight there is no slice of its own; three floats are written. */
+static void test_slice_along_the_line_of_sight(void** state) {
+    const float v[3] = {0.0f, 0.0f, 1.0f}, none[3] = {0.0f, 0.0f, 0.0f}, away[3] = {0.0f, 0.0f, -1.0f};
+    const float up[3] = {0.0f, 1e-6f, 1.0f}, more[3] = {0.0f, 1.1e-6f, 1.0f};
+    float along[4] = {0.0f, 0.0f, 0.0f, 7.0f};
+    (void)state;
+    dgb_slice_along(v, v, away, along);
+    assert_true(along[0] == 1.0f && along[1] == 0.0f && along[2] == 0.0f && along[3] == 7.0f);
+    dgb_slice_along(up, v, none, along);
+    assert_true(along[0] == 1.0f && along[1] == 0.0f && along[2] == 0.0f);
+    dgb_slice_along(more, v, none, along);
+    assert_true(along[0] == 0.0f && fabsf(along[1] - 1.0f) < 1e-6f && along[2] == 0.0f && along[3] == 7.0f);
+}
+
 /* A direction of the cosine-weighted hemisphere picks the slice that it lies in, and the share is the distribution function of
    such directions in their slice: so shares of directions, each in its own slice, are evenly distributed. */
 static void test_slices_of_directions(void** state) {
@@ -413,6 +415,7 @@ int main(void) {
         cmocka_unit_test(test_arc_sine),
         cmocka_unit_test(test_share),
         cmocka_unit_test(test_share_of_a_facing_surface),
+        cmocka_unit_test(test_slice_along_the_line_of_sight),
         cmocka_unit_test(test_slices_of_directions),
         cmocka_unit_test(test_angle_of_a_share),
         cmocka_unit_test(test_sums_of_directions),

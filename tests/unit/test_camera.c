@@ -4,6 +4,7 @@
    business. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,28 +20,8 @@
 #define PI_L 3.14159265358979323846264338327950288L
 #define U 5.9604644775390625e-8L /* 2^-24: relative error of one float operation */
 
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
-static bool is_finite(float x) { return (bits_of(x) & 0x7f800000u) != 0x7f800000u; }
-
-static double random_in(uint64_t* state, double low, double high) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return low + (high - low) * ((double)(z >> 11) / 9007199254740992.0);
+static double random_in(uint64_t* state, double low, double high) {
+    return low + (high - low) * ((double)(random_long(state) >> 11) / 9007199254740992.0);
 }
 
 /* >> projections of every kind */

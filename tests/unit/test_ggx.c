@@ -1,6 +1,7 @@
 /* The lobe of a rough surface: width, sampled microfacets, density, and the numbers that they are sampled with. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,27 +15,6 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-static bool is_finite(float x) { return (bits_of(x) & 0x7f800000u) != 0x7f800000u; }
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static double random_unit(uint64_t* state) { return ((double)random_bits(state) + 0.5) / 4294967296.0; }
 
@@ -138,7 +118,8 @@ static void test_pair_is_the_same_ever(void** state) {
     }
 }
 
-/* Chi-square of counts that should all be the same, in standard deviations from its mean, nearly normal for so many bins. */
+/* Chi-square of counts that should all be the same, in standard deviations from its mean, nearly normal for so many
+   bins. */
 static double uniformity(const int* counts, int bins, int total) {
     const double expected = (double)total / bins;
     double chi2 = 0.0;
@@ -168,8 +149,8 @@ static void test_pairs_of_pixels(void** state) {
     assert_true(fabs(uniformity(neighbours, BINS * BINS, SIDE * SIDE)) < 6.0);
 }
 
-/* Frames of one pixel share out the square: of 256, every 8 x 8 cell has 4 on average, and none has fewer than 1 or more than 8,
-   which of random points 93 % of the cells alone would keep to. */
+/* Frames of one pixel share out the square: of 256, every 8 x 8 cell has 4 on average, and none has fewer than 1 or
+   more than 8, which of random points 93 % of the cells alone would keep to. */
 static void test_pairs_of_frames(void** state) {
     int pixel, frame, i;
     (void)state;
@@ -233,8 +214,8 @@ static void test_density(void** state) {
     assert_true(worst <= 1.0);
 }
 
-/* Over all microfacets h: density(l) dl, with dl = 4 v.h dh. tan = alpha sqrt(1 - s^2) / s covers the hemisphere with s in 0..1:
-   D cos dh = 2 s ds dphi / 2 pi. */
+/* Over all microfacets h: density(l) dl, with dl = 4 v.h dh. tan = alpha sqrt(1 - s^2) / s covers the hemisphere with s
+   in 0..1: D cos dh = 2 s ds dphi / 2 pi. */
 static void test_density_integrates_to_one(void** state) {
     static const double alphas[] = {1.0, 0.36, 0.09, 0.01};
     static const double angles[] = {0.0, 30.0, 60.0, 80.0, 88.0};
@@ -305,8 +286,8 @@ static void expected_shares(double alpha, double nv, double share[BINS]) {
 static int bin_of(const double h[3], const double n[3], const double x[3], const double y[3], double alpha) {
     const double p = dot(h, x), q = dot(h, y), z = dot(h, n),
                  s = alpha * z / sqrt(alpha * alpha * z * z + p * p + q * q);
-    double turn = atan2(q, p) / (2.0 * pi);
-    const int radial = (int)(s * RADIAL), around = (int)((turn += turn < 0.0 ? 1.0 : 0.0) * AROUND);
+    const double angle = atan2(q, p), turn = angle / (2.0 * pi) + (angle < 0.0 ? 1.0 : 0.0);
+    const int radial = (int)(s * RADIAL), around = (int)(turn * AROUND);
     return (radial < RADIAL ? radial : RADIAL - 1) * AROUND + (around < AROUND ? around : AROUND - 1);
 }
 
@@ -407,6 +388,12 @@ static void test_normals_of_anything(void** state) {
     assert_memory_equal(h, n, sizeof h);
     dgb_ggx_normal(away, n, 0.5f, u, h); /* seen from behind: back to the viewer */
     assert_memory_equal(h, away, sizeof h);
+    for (i = 0; i < 4; ++i) { /* no place in the square: likewise */
+        const float odd = i / 2 ? INFINITY : from_bits(0x7fc00000u),
+                    nowhere[2] = {i % 2 ? 0.3f : odd, i % 2 ? odd : 0.7f};
+        dgb_ggx_normal(v, n, 0.5f, nowhere, h);
+        assert_memory_equal(h, v, sizeof h);
+    }
     for (i = 0; i < 200000; ++i) {
         float in[9];
         for (k = 0; k < 9; ++k) in[k] = odd_float(&seed);

@@ -1,6 +1,7 @@
 /* Packing: Oct16 normals, R11G11B10F and half floats, the clamp before every store. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,33 +25,11 @@
 
 /* >> bits and random numbers */
 
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-/* To the last bit: what == says of floats and padding is not the question. */
-static bool same_bits(const void* a, const void* b, size_t size) { return memcmp(a, b, size) == 0; }
-
 static bool is_finite_bits(uint32_t u) { return (u & 0x7f800000u) != 0x7f800000u; }
 
 static bool is_nan_bits(uint32_t u) { return (u & 0x7fffffffu) > 0x7f800000u; }
 
 static bool is_denormal_bits(uint32_t u) { return (u & 0x7f800000u) == 0 && (u & 0x7fffffu) != 0; }
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static float random_signed(uint64_t* state) { return (float)((double)random_bits(state) / 2147483648.0 - 1.0); }
 
@@ -532,6 +511,54 @@ static void test_storable(void** state) {
     for (r = 0; r < 1000000; ++r) check_storable(random_bits(&seed));
 }
 
+/* >> averages as they are stored */
+
+static float half_of(uint32_t code) { return dgb_half_to_float((uint16_t)code); }
+
+/* Two floats beside a half, as far as roundings take an average of equal numbers, are it. */
+static void test_halves_stay_when_dithered(void** state) {
+    static const float us[] = {0.0f, 0.25f, 0.5f, 0.75f, 0x0.ffffffp0f};
+    uint32_t code;
+    size_t i;
+    int off;
+    (void)state;
+    for (code = 0; code <= 0x7bff; ++code)
+        for (i = 0; i < sizeof us / sizeof us[0]; ++i)
+            for (off = code ? -2 : 0; off <= 2; ++off) {
+                const float half = half_of(code), x = from_bits(bits_of(half) + (uint32_t)off);
+                if (dgb_dithered(x, us[i]) != half || dgb_dithered(-x, us[i]) != -half)
+                    fail_msg("%.9g of %g becomes %.9g", (double)x, (double)us[i], (double)dgb_dithered(x, us[i]));
+            }
+}
+
+static void test_what_is_not_finite_is_not_dithered(void** state) {
+    static const uint32_t special[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00001u, 0x7f800001u, 0x7fffffffu};
+    size_t i;
+    (void)state;
+    for (i = 0; i < sizeof special / sizeof special[0]; ++i)
+        assert_int_equal(bits_of(dgb_dithered(from_bits(special[i]), 0.75f)), special[i]);
+}
+
+/* Over all that u may come to: within the two floats on either side that stay and one rounded away, of 8192 from half to half. */
+static void test_dithered_on_average(void** state) {
+    enum { US = 8188 };
+    uint64_t seed = 8;
+    int r, k;
+    (void)state;
+    for (r = 0; r < 2000; ++r) {
+        const uint32_t code = random_bits(&seed) % (r % 4 ? 0x7bffu : 0x400u); /* one in four where halves are sparse */
+        const double low = (double)half_of(code), step = (double)half_of(code + 1) - low;
+        const float x = (float)(low + step * (random_bits(&seed) / 4294967296.0)) * (r % 2 ? -1.0f : 1.0f);
+        double sum = 0.0;
+        for (k = 0; k < US; ++k) {
+            const double y = (double)dgb_dithered(x, ((float)k + 0.5f) / US), size = fabs(y);
+            if (size != low && size != low + step) fail_msg("%.9g becomes %.9g", (double)x, y);
+            sum += y;
+        }
+        if (fabs(sum / US - (double)x) > 3.0 / 8192.0 * step) fail_msg("%.9g is %.9g on average", (double)x, sum / US);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_oct16_decode_every_code),
@@ -554,6 +581,9 @@ int main(void) {
         cmocka_unit_test(test_half_of_what_cannot_be_stored),
         cmocka_unit_test(test_channels_do_not_mix),
         cmocka_unit_test(test_storable),
+        cmocka_unit_test(test_halves_stay_when_dithered),
+        cmocka_unit_test(test_what_is_not_finite_is_not_dithered),
+        cmocka_unit_test(test_dithered_on_average),
     };
     return cmocka_run_group_tests_name("packing", tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* Terms: keep test, occlusion, gathered light, boost, reconstruction weight, presets. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,30 +16,9 @@
 #define PI_F 3.14159265358979323846f
 #define PI_L 3.14159265358979323846264338327950288L
 
-static uint32_t bits_of(float x) {
-    uint32_t u;
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static float from_bits(uint32_t u) {
-    float x;
-    memcpy(&x, &u, sizeof x);
-    return x;
-}
-
-static bool is_finite(float x) { return (bits_of(x) & 0x7f800000u) != 0x7f800000u; }
-
 static float not_a_number(void) { return from_bits(0x7fc00000u); }
 
 static float infinity(void) { return from_bits(0x7f800000u); }
-
-static uint32_t random_bits(uint64_t* state) { /* splitmix64 */
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (uint32_t)(z >> 32);
-}
 
 static float random_in(uint64_t* state, float low, float high) {
     return low + (high - low) * (float)((double)random_bits(state) / 4294967296.0);
@@ -567,18 +547,19 @@ static void test_presets(void** state) {
 /* Work of a pixel, in taps: what a budget buys. */
 static int work_of(const dgb_params* p) { return p->ao_samples + p->samples + 4 * p->filter_taps; }
 
-static bool same_params(dgb_params a, dgb_params b) { return memcmp(&a, &b, sizeof a) == 0; }
+static bool same_params(dgb_params a, dgb_params b) { return same_bits(&a, &b, sizeof a); }
 
 static void test_presets_for_a_budget(void** state) {
     static const uint32_t all = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY | DGB_EFFECT_REFLECT;
     const dgb_params least = dgb_preset_for(0.0f, all), most = dgb_preset_for(INFINITY, all);
-    float budget;
+    int step;
     (void)state;
     assert_true(same_params(dgb_preset_for(1.0f, 0), dgb_preset(DGB_PRESET_BALANCED))); /* nothing to choose for */
     assert_true(same_params(dgb_preset_for(NAN, all), least));
     assert_true(same_params(dgb_preset_for(-1.0f, all), least));
     assert_true(work_of(&least) < work_of(&most) && least.reflect_stride > most.reflect_stride);
-    for (budget = 0.0f; budget < 4.0f; budget += 0.05f) {
+    for (step = 0; step < 80; ++step) {
+        const float budget = 0.05f * (float)step;
         const dgb_params p = dgb_preset_for(budget, all), light = dgb_preset_for(budget, DGB_EFFECT_RADIOSITY);
         assert_in_range(p.ao_samples, 1, DGB_MAX_TAPS);
         assert_in_range(p.samples, 1, DGB_MAX_TAPS);

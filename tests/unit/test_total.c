@@ -76,6 +76,7 @@ static const row rows[] = {{"dgb_oct16_encode", {127, 127, 127, 127, 127}}, /* b
                            {"dgb_storable", {0, 0, 64512, 0, STAYS}},
                            {"dgb_r11g11b10f_pack", {0, 0, ANY, 0, 0}},
                            {"dgb_half_from_float", {0, 0, 0x7bff, 0x7bff, 0}},
+                           {"dgb_dithered", {0, STAYS, STAYS, STAYS, 0}},
                            {"dgb_mip_level", {0, 0, DGB_MAX_LEVELS - 1, 0, 0}},
                            {"dgb_depth_code", {0, STAYS, ANY, STAYS, 0}},
                            {"dgb_linear_z", {0, 0, 0, 0, ANY}},
