@@ -653,9 +653,9 @@ DGB_API void dgb_r11g11b10f_unpack(uint32_t packed, float rgb[3]);
 /* IEEE half. NaN becomes 0; beyond +-65504 becomes +-65504; rounded to nearest even. */
 DGB_API uint16_t dgb_half_from_float(float x);
 DGB_API float dgb_half_to_float(uint16_t half);
-/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is stored. Stores
-   that always go the same way add up: with a small share of each frame, an average stays where a frame moves it less than it
-   rounds. What is a half but for a rounding stays one for every u. */
+/* One of the two halves around x, within +-65504, on average over u in 0..1 x itself: how an average over frames is
+   stored. Stores that always go the same way add up: with a small share of each frame, an average stays where a frame
+   moves it less than it rounds. What is a half but for a rounding stays one for every u. */
 DGB_API float dgb_dithered(float x, float u);
 
 /* Turns tau of an n-tap spiral: the smallest integer >= 2 (1 for n <= 2) that minimises the discrepancy of the taps in
@@ -863,6 +863,9 @@ typedef enum dgb_preset_id {
        BALANCED      14       11            yes           2              50 %
        QUALITY       30       13            yes           0              80 %                                        */
 DGB_API dgb_params dgb_preset(dgb_preset_id id);
+/* The estimator to go with a preset, for desc.estimator: which errs least at such a cost, by measurement against ray
+   tracing (README, "Which estimator?"). QUALITY: BITMASK; the others, and out of range: PAPER. */
+DGB_API dgb_estimator dgb_preset_estimator(dgb_preset_id id);
 /* What gave the least error for a cost, by measurement: the parameters of BALANCED, with the taps, MIP levels, filter
    and steps of the settings that nothing cheaper beat in the sweep (`make budget`; error against ray tracing, scenes
    averaged). budget: time to shade two layers as a ratio to BALANCED's, on the machine of the sweep, for each of
@@ -1862,6 +1865,10 @@ DGB_API float dgb_ggx_density(const float v[3], const float n[3], const float l[
 }
 
 /* >> parameters: presets, checks */
+
+DGB_API dgb_estimator dgb_preset_estimator(dgb_preset_id id) {
+    return id == DGB_PRESET_QUALITY ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
+}
 
 DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     static const struct {

@@ -361,8 +361,7 @@ glm::ivec2 Viewer::picture_size() const {
     return size == glm::ivec2(0) ? size : glm::ivec2(std::max(int(std::lround(share * float(size.x))), 1), size.y);
 }
 
-// While the user pulls at the window's border, the pictures are stretched: new textures for each step would be too
-// much.
+// While the user pulls at the window's border, the pictures are stretched: new textures for each step cost too much.
 void Viewer::follow_size() {
     const glm::ivec2 size = picture_size();
     const double now = glfwGetTime();

@@ -31,7 +31,8 @@ vec2 dgb_octahedral(vec3 n) {
 // The direction that they mean, of any length: enough where only a sign is asked for.
 vec3 dgb_unfolded(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
-    return vec3(p - max(-z, 0.0) * dgb_sign(p), z); // what lies below the equator is folded back
+    uvec2 fold = floatBitsToUint(vec2(max(-z, 0.0))) | (floatBitsToUint(p) & 0x80000000u); // with the signs of p
+    return vec3(p - uintBitsToFloat(fold), z); // what lies below the equator is folded back
 }
 
 vec3 dgb_from_octahedral(vec2 p) { return normalize(dgb_unfolded(p)); }
@@ -105,8 +106,17 @@ int dgb_mip_level(float h, int log2_q, int min_level, int max_level) {
     return h > 0.0 ? clamp((floatBitsToInt(h) >> 23) - (127 + log2_q), min_level, max_level) : min_level;
 }
 
+// All bits set where a coordinate is odd.
+ivec2 dgb_odd(ivec2 p) {
+#if __VERSION__ >= 400
+    return bitfieldExtract(p, 0, 1); // with its sign: one instruction
+#else // 330 and 300 es have none
+    return -(p & 1);
+#endif
+}
+
 ivec2 dgb_mip_source(ivec2 p, int level) {
-    ivec2 odd_texel = -(p & 1); // all bits set where the coordinate is odd
+    ivec2 odd_texel = dgb_odd(p);
     return (p << level) | (odd_texel.yx & (0xaaaa >> (16 - level))) | (odd_texel & (0x5555 >> (16 - level)));
 }
 

@@ -24,22 +24,31 @@ dgb_spiral dgb_spiral_at(vec2 centre, float reach, ivec4 size) {
     return dgb_spiral(centre, dgb_rotation(ivec2(centre), size.w), reach, size.xy, vec2(size.xy) * 0.99999994);
 }
 
-// h: pixels from the centre; levels: log2 q, min, max.
-dgb_tap dgb_tap_beside(vec2 direction, float h, dgb_spiral s, ivec4 levels) {
-    vec2    at        = s.centre + h * direction;
-    vec2    within    = clamp(at, vec2(0.0), s.last);
+// The tap at a position in the buffer, h pixels from the centre; levels: log2 q, min, max.
+dgb_tap dgb_tap_of(vec2 at, float h, ivec2 size, ivec4 levels) {
     dgb_tap tap;
-    tap.inside = at == within;
-    tap.level = dgb_mip_level(h, levels.x, levels.y, levels.z);
-    tap.texel = min(ivec2(within) >> tap.level, (s.size >> tap.level) - 1);
-    tap.pixel = dgb_mip_source(tap.texel, tap.level);
+    tap.level  = dgb_mip_level(h, levels.x, levels.y, levels.z);
+    tap.texel  = min(ivec2(at), size - (1 << tap.level)) >> tap.level; // a level's last texels stand for all that is left
+    tap.pixel  = dgb_mip_source(tap.texel, tap.level);
+    tap.inside = true;
     return tap;
 }
 
 // table: cos, sin, kappa of the tap.
 dgb_tap dgb_tap_at(vec4 table, dgb_spiral s, ivec4 levels) {
-    vec2 direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);
-    return dgb_tap_beside(direction, max(s.reach * table.z, 0.75), s, levels); // nearer taps would land on the shaded pixel itself
+    float h         = max(s.reach * table.z, 0.75); // nearer taps would land on the shaded pixel itself
+    vec2  direction = vec2(table.x * s.rotation.x - table.y * s.rotation.y, table.x * s.rotation.y + table.y * s.rotation.x);
+    vec2  at        = s.centre + h * direction, within = clamp(at, vec2(0.0), s.last);
+    bool  inside    = at == within; // asked first, so that `at` takes no registers in the meantime
+    dgb_tap tap     = dgb_tap_of(within, h, s.size, levels);
+    tap.inside      = inside;
+    return tap;
+}
+
+// How far it is to the border of the buffer; direction: unit.
+float dgb_room(vec2 at, vec2 direction, vec2 size) {
+    vec2 room = mix(at, size - at, greaterThan(direction, vec2(0.0))) / max(abs(direction), 1e-6);
+    return min(room.x, room.y);
 }
 
 #if DGB_LAYERS > 1

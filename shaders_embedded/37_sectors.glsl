@@ -23,31 +23,37 @@ vec4 dgb_slice(vec3 n, vec3 v, vec3 along) {
     return vec4(p, g, 1.0 / max(p.x + (g + 0.5 * DGB_PI) * p.y, 1e-5));
 }
 
-// sin^2 cos g + (angle - sin cos) sin g of an angle from the eye; g: cos g, sin g; x: 1 - cosine of the angle, its versine.
-float dgb_slice_part(vec2 g, float x) {
+// sin^2 cos g + (angle - sin cos) sin g of an angle from the eye; g: cos g, sin g, 2 cos g; x: the angle's versine, 1 - cosine.
+float dgb_slice_part(vec3 g, float x) {
     float segment = sqrt(x) * (1.8772000 + x * (-0.3058190 + x * (0.0586256 - 0.0473906 * x))); // angle - sin cos, by x
-    return x * (g.x * (2.0 - x) + g.y * segment);
+    return x * (g.z - g.x * x + g.y * segment);
 }
 
 // dgb_slice_share in three steps: what is the same for all directions, cos g and sin g over the part up to the horizon and the
-// horizon's versine; that of a direction {towards the eye, along}, 2 for what does not lie in the slice; the share.
-vec3 dgb_slice_scale(vec4 slice) {
+// horizon's versine; that of a direction {towards the eye, along}, which lies in the slice; the share, of so many sectors.
+vec4 dgb_slice_scale(vec4 slice, float sectors) {
+    vec3  g       = vec3(slice.xy, 2.0 * slice.x);
     float horizon = 1.0 + slice.y;
-    return vec3(slice.xy / max(dgb_slice_part(slice.xy, horizon), 1e-5), horizon);
+    return vec4(g * (sectors / max(dgb_slice_part(g, horizon), 1e-5)), horizon);
 }
 
-float dgb_square(vec2 q) { return q.x * q.x + (q.y * q.y + 1e-30); } // not 0: in this order the sum is a multiply-add
+float dgb_versine(vec2 q) { return 1.0 - q.x * inversesqrt(dot(q, q)); }
 
-float dgb_versine(vec2 q) { return q.y >= 0.0 ? 1.0 - q.x * inversesqrt(dgb_square(q)) : 2.0; }
+// rounded, a versine may be below 0
+float dgb_share(vec4 scale, float versine) { return dgb_slice_part(scale.xyz, min(abs(versine), scale.w)); }
 
-float dgb_share(vec3 scale, float versine) { return dgb_slice_part(scale.xy, min(abs(versine), scale.z)); } // rounded, it may be below 0
-
-float dgb_slice_share(vec4 slice, vec2 q) { return clamp(dgb_share(dgb_slice_scale(slice), dgb_versine(q)), 0.0, 1.0); }
-
-uint dgb_sectors(float from, float to, float u) {
-    uint low = uint(from * 32.0 + u), high = min(uint(to * 32.0 + u), 32u);
-    return low < high ? 0xffffffffu >> (32u - (high - low)) << low : 0u;
+float dgb_slice_share(vec4 slice, vec2 q) {
+    float versine = q.y >= 0.0 ? 1.0 - q.x * inversesqrt(dot(q, q) + 1e-30) : 2.0;
+    return clamp(dgb_share(dgb_slice_scale(slice, 1.0), versine), 0.0, 1.0);
 }
+
+// from, to: in sectors, 0..32
+uint dgb_sectors_between(float from, float to, float u) {
+    uint low = uint(from + u), high = min(uint(to + u), 32u);
+    return low < high ? 0xffffffffu >> ((low - high) & 31u) << low : 0u;
+}
+
+uint dgb_sectors(float from, float to, float u) { return dgb_sectors_between(32.0 * from, 32.0 * to, u); }
 
 int dgb_sector_count(uint sectors) {
 #if __VERSION__ >= 400

@@ -1661,6 +1661,36 @@ static void test_reprojection_matrix(void** state) {
     }
 }
 
+/* The engine's own layers are of the view that comes with them. */
+static void test_reprojection_of_given_layers(void** state) {
+    float last[16];
+    dgb_layers layers;
+    dgb_camera camera;
+    fixture f;
+    int frame;
+    (void)state;
+    start_history(&f);
+    f.desc.source = DGB_SOURCE_ENGINE;
+    init(&f);
+    layers = engine_layers(&f);
+    random_state = 13u;
+    for (frame = 0; frame < 20; ++frame) {
+        memcpy(last, f.view.view, sizeof last);
+        memcpy(&camera, &f.context.camera, sizeof camera);
+        random_view(1.0, 10.0, f.view.view);
+        f.view.jitter[0] = 0.01f * (float)frame;
+        record_clear(&f.r);
+        set_layers(&f, &layers);
+        shade(&f);
+        if (frame == 0) continue;
+        check_to_last(f.view.view, last, past_of(&f, DGB_PASS_PACK));
+        check_to_last(f.view.view, last, past_of(&f, DGB_PASS_TEMPORAL));
+        assert_memory_equal(&past_of(&f, DGB_PASS_TEMPORAL)->last, &camera, sizeof camera);
+        assert_memory_not_equal(&f.context.camera, &camera, sizeof camera);
+    }
+    stop(&f);
+}
+
 /* A view that flattens the world has no way back: no NaN comes of it. */
 static void test_reprojection_from_a_singular_view(void** state) {
     static const float scales[] = {1.0f, 0.0f, 1e-38f, 1e20f, 1e-20f}; /* between the last two lies 1e40 */
@@ -2729,6 +2759,7 @@ int main(void) {
         cmocka_unit_test(test_refused_calls_leave_history),
         cmocka_unit_test(test_reprojection_uniforms),
         cmocka_unit_test(test_reprojection_matrix),
+        cmocka_unit_test(test_reprojection_of_given_layers),
         cmocka_unit_test(test_reprojection_from_a_singular_view),
         cmocka_unit_test(test_bounce_and_history_uniforms),
         cmocka_unit_test(test_frames_turn_the_taps),

@@ -135,8 +135,10 @@ static void close_pair(pair* p) {
 
 /* RGBA of one level from (first, first) on, as every version of GL can read it. */
 static float* read_level(dgb_texture texture, int level, int first, int width, int height) {
-    float* texels = (float*)calloc((size_t)width * (size_t)height, 4 * sizeof *texels);
+    float* texels;
     GLuint framebuffer;
+    assert_true(width > 0 && height > 0);
+    texels = (float*)malloc((size_t)width * (size_t)height * 4 * sizeof *texels);
     glGenFramebuffers(1, &framebuffer);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
     glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, dgbgl_texture_name(texture),

@@ -1,8 +1,8 @@
 #include "gl_faults.h"
+#include "numbers.h"
 
 #include <epoxy/gl.h> /* for its values and types: nothing of it is called */
 
-#include <math.h>
 #include <string.h>
 
 static struct faults {
@@ -77,15 +77,13 @@ static GLuint fault_CreateProgram(void) { return fails("glCreateProgram") ? 0 : 
 
 /* >> storage */
 
-void gl_faults_fill(dgbgl_get_proc_fn gl, GLenum target, GLsizei levels, GLenum internal, int number) {
+void gl_faults_fill(dgbgl_get_proc_fn gl, GLenum target, GLsizei levels, GLenum internal, gl_filling filling) {
     const bool depth =
         internal == GL_DEPTH_COMPONENT16 || internal == GL_DEPTH_COMPONENT24 || internal == GL_DEPTH_COMPONENT32F;
     const bool integer = internal == GL_R32UI || internal == GL_RG32UI || internal == GL_RGBA32UI;
     const bool unorm = internal == GL_R8 || internal == GL_RG8 || internal == GL_RGBA8;
-    const float part = number ? (float)(number % 255) / 255.0f : 0.37f; /* textures are cleared to 0 or 1 */
-    const float whole = number == 0 ? NAN : number % 2 ? (float)number : -(float)number;
-    const GLfloat value = depth || unorm ? part : whole, values[4] = {value, value, value, value};
-    const GLuint code = number ? (GLuint)number : 0xdeadbeefu, codes[4] = {code, code, code, code};
+    const GLfloat x = depth || unorm ? filling.share : filling.number, floats[4] = {x, x, x, x};
+    const GLuint u = filling.integer, integers[4] = {u, u, u, u};
     void (*get_integer)(GLenum name, GLint * value);
     void (*clear)(GLuint texture, GLint level, GLenum format, GLenum type, const void* data);
     void *get_address = gl("glGetIntegerv"), *clear_address = gl("glClearTexImage");
@@ -98,11 +96,13 @@ void gl_faults_fill(dgbgl_get_proc_fn gl, GLenum target, GLsizei levels, GLenum 
               depth     ? GL_DEPTH_COMPONENT
               : integer ? GL_RGBA_INTEGER
                         : GL_RGBA,
-              integer ? GL_UNSIGNED_INT : GL_FLOAT, integer ? (const void*)codes : (const void*)values);
+              integer ? GL_UNSIGNED_INT : GL_FLOAT, integer ? (const void*)integers : (const void*)floats);
 }
 
+/* 0.37: neither of the values that textures are cleared to. */
 static void poison(GLenum target, GLsizei levels, GLenum internal) {
-    gl_faults_fill(f.get_proc, target, levels, internal, 0);
+    const gl_filling filling = {from_bits(0x7fc00000u), 0.37f, 0xdeadbeefu};
+    gl_faults_fill(f.get_proc, target, levels, internal, filling);
     ++f.poisoned;
 }
 

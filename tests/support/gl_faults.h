@@ -21,8 +21,12 @@ void gl_faults_watch(void (*draw)(void));
 void gl_faults_poison(bool on);
 int gl_faults_poisoned(void); /* textures so far */
 
-/* Fills the levels of the bound texture, poisoned like this, or, by a number other than 0, with what differs from number to
-   number. */
-void gl_faults_fill(dgbgl_get_proc_fn gl, unsigned target, int levels, unsigned internal, int number);
+typedef struct gl_filling {
+    float number, share; /* in textures of floats; of depth and of shares 0..1 */
+    unsigned integer;
+} gl_filling;
+
+/* Fills the levels of the bound texture. */
+void gl_faults_fill(dgbgl_get_proc_fn gl, unsigned target, int levels, unsigned internal, gl_filling filling);
 
 #endif

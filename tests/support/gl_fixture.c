@@ -21,30 +21,37 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
     printf("# GL message: %s\n", text);
 }
 
-/* Fresh textures are full of numbers of their own, as on a driver that hands out memory as it finds it: the library leaves
+/* Every fresh texture is full of numbers of its own, as on a driver that hands out memory as it finds it: the library leaves
    undefined what is not shaded, and a test that looks there fails. test_guest.c shows with NaN that the library does not. */
-static void fill_fresh(GLenum target, GLsizei levels, GLenum format) {
-    static int count;
+static void poison(GLenum target, GLsizei levels, GLenum format) {
+    static unsigned count;
+    gl_filling filling;
     GLint width;
     glGetTexLevelParameteriv(target, 0, GL_TEXTURE_WIDTH, &width);
-    if (width > 0) gl_faults_fill(headless_get_proc, target, levels, format, ++count); /* else there was no memory */
+    if (width == 0) return; /* there was no memory */
+    ++count;
+    filling.number = count % 2 ? (float)count : -(float)count;
+    filling.share = (float)(count % 255) / 255.0f;
+    filling.integer = count;
+    gl_faults_fill(headless_get_proc, target, levels, format, filling);
 }
 
-static void GLAPIENTRY filled_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height) {
+static void GLAPIENTRY poisoned_storage_2d(GLenum target, GLsizei levels, GLenum format, GLsizei width,
+                                           GLsizei height) {
     glTexStorage2D(target, levels, format, width, height);
-    fill_fresh(target, levels, format);
+    poison(target, levels, format);
 }
 
-static void GLAPIENTRY filled_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
-                                         GLsizei layers) {
+static void GLAPIENTRY poisoned_storage_3d(GLenum target, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
+                                           GLsizei layers) {
     glTexStorage3D(target, levels, format, width, height, layers);
-    fill_fresh(target, levels, format);
+    poison(target, levels, format);
 }
 
 void* fixture_get_proc(const char* name) {
     const bool flat = strcmp(name, "glTexStorage2D") == 0, layered = strcmp(name, "glTexStorage3D") == 0;
-    PFNGLTEXSTORAGE2DPROC storage_2d = filled_storage_2d;
-    PFNGLTEXSTORAGE3DPROC storage_3d = filled_storage_3d;
+    PFNGLTEXSTORAGE2DPROC storage_2d = poisoned_storage_2d;
+    PFNGLTEXSTORAGE3DPROC storage_3d = poisoned_storage_3d;
     void* address = headless_get_proc(name);
     if (epoxy_gl_version() < 44 || !epoxy_is_desktop_gl()) return address; /* no glClearTexImage */
     if (flat) memcpy(&address, &storage_2d, sizeof address);

@@ -82,8 +82,7 @@ void fixture_draw(void* user, const dgb_draw* draw);
 float* fixture_read(dgb_texture texture, int level, int layer, int width, int height, int layers, GLenum format,
                     int channels);
 
-/* A level of an image as large as the buffer, `channels` floats a texel; null where there is no such texture. Caller
-   frees. */
+/* A level of an image as large as the buffer, `channels` floats a texel. Caller frees. Null: no such texture. */
 float* fixture_image(const dgb_context* c, dgb_slot slot, int level, int channels);
 /* DGB_Z, of one layer or two, 0 where there is no surface. Caller frees. */
 float* fixture_z(const dgb_context* c, int level);
@@ -91,9 +90,10 @@ float* fixture_z(const dgb_context* c, int level);
 void fixture_put_image(const dgb_context* c, dgb_slot slot, int channels, const float* texels);
 /* The pixels that are shaded: x0, y0, x1, y1, inclusive. */
 void fixture_shaded_rect(const dgb_context* c, const dgb_params* q, int rect[4]);
+
 /* Zeros where an image of the context's size is not shaded: there it is undefined, and no test may look. Null: nothing. */
 void fixture_blank_unshaded(const dgb_context* c, float* image, int channels);
-/* Level 0 of what shading made, blank where it is not shaded. Like fixture_image. */
+/* fixture_image of level 0, zero where it is not shaded. */
 float* fixture_shaded(const dgb_context* c, dgb_slot slot, int channels);
 
 /* The light in a texture between the runs of the reconstruction (DGB_HALF, DGB_HALF1), RGBA; ao: its ambient

@@ -1,5 +1,4 @@
-/* Layers made up texel by texel, as an engine's own (DGB_SOURCE_ENGINE): reversed infinite perspective, float
-   normals. */
+/* Layers made up texel by texel, as an engine's own (DGB_SOURCE_ENGINE): reversed infinite depth, float normals. */
 #ifndef GL_IMAGES_H
 #define GL_IMAGES_H
 

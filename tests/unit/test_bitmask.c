@@ -70,8 +70,9 @@ static void test_quad_is_exact(void** state) {
         const int x = (int)random_bits(&seed), y = (int)random_bits(&seed);
         const int frame = (int)(random_bits(&seed) >> (i % 32));
         const uint64_t place = (uint64_t)dgb_hilbert_index(x, y) + 288u * (uint64_t)(uint32_t)frame + 1u;
-        float u[4];
+        float u[5] = {0.0f, 0.0f, 0.0f, 0.0f, 7.0f};
         dgb_pixel_quad(x, y, frame, u);
+        assert_true(u[4] == 7.0f); /* four are written */
         for (k = 0; k < 4; ++k) {
             const uint32_t step = (uint32_t)floor(steps[k] * 4294967296.0 + 0.5);
             const uint32_t turn = (uint32_t)(place % 4294967296u * step % 4294967296u);
@@ -155,8 +156,11 @@ static void test_arc_sine(void** state) {
     (void)state;
     for (i = -100000; i <= 100000; ++i) {
         const float x = (float)i / 100000.0f;
+        const double a = fabs((double)x), published = 1.5707288 + a * (-0.2121144 + a * (0.0742610 - a * 0.0187293));
+        const double b = 0.5 * pi - sqrt(1.0 - a) * published;
         assert_true(fabs((double)dgb_arc_sine(x) - asin((double)x)) <=
-                    6.8e-5); /* Abramowitz and Stegun: 5e-5 + floats */
+                    6.8e-5);                                               /* Abramowitz and Stegun: 5e-5 + floats */
+        assert_true(fabs(fabs((double)dgb_arc_sine(x)) - fabs(b)) < 3e-7); /* a few ulps of pi / 2 */
     }
     assert_true(dgb_arc_sine(0.0f) >= 0.0f && dgb_arc_sine(0.0f) <= 6.8e-5f);
     assert_true(dgb_arc_sine(2.0f) == dgb_arc_sine(1.0f) && dgb_arc_sine(-1e30f) == dgb_arc_sine(-1.0f));
@@ -295,7 +299,7 @@ static void test_sums_of_directions(void** state) {
         const float n[3] = {(float)sin(g), 0.0f, (float)cos(g)}, v[3] = {0.0f, 0.0f, 1.0f},
                     along[3] = {1.0f, 0.0f, 0.0f};
         double weight = 0.0, sum[2] = {0.0, 0.0}, at[9][2] = {{0.0}}, whole;
-        float slice[4], out[2];
+        float slice[4], out[3];
         int sector = 0;
         dgb_slice(n, v, along, slice);
         whole = 1.0 / (double)slice[3];
@@ -307,9 +311,11 @@ static void test_sums_of_directions(void** state) {
             dgb_slice_sum(slice, (float)((k + 1.0) / STEPS * horizon), out);
             assert_true(fabs((double)out[0] - sum[0]) < 1e-3 && fabs((double)out[1] - sum[1]) < 1e-3);
         }
+        out[2] = 7.0f;
         dgb_sectors_mean(slice, 0u, out);
-        assert_true(out[0] == 0.0f && out[1] == 0.0f);
+        assert_true(out[0] == 0.0f && out[1] == 0.0f && out[2] == 7.0f); /* two are written */
         dgb_sectors_mean(slice, 0xffffffffu, out);
+        assert_true(out[2] == 7.0f);
         assert_true(fabs((double)out[0] - sum[0]) < 1e-3 && fabs((double)out[1] - sum[1]) < 1e-3);
         for (k = 0; k < 7; ++k) { /* whole groups are exact */
             dgb_sectors_mean(slice, 0xfu << (4 * k), out);
@@ -322,7 +328,7 @@ static void test_sums_of_directions(void** state) {
 /* The cone of a mean's length: of a hemisphere, of closed cones, and where there is none. */
 static void test_bent_cosine(void** state) {
     const float none[4] = {0.0f, 0.0f, 0.0f, 0.0f}, odd[4] = {NAN, 0.0f, 0.0f, 1.0f},
-                narrow[4] = {0.0f, 0.3f, 0.0f, 0.3f};
+                narrow[4] = {0.0f, 0.3f, 0.0f, 0.3f}, more[5] = {0.0f, 0.0f, 0.3f, 0.4f, NAN}; /* four are read */
     int i;
     (void)state;
     for (i = 0; i <= 100; ++i) {
@@ -332,6 +338,7 @@ static void test_bent_cosine(void** state) {
         assert_true(fabs((double)dgb_bent_cosine(bent) - c) < (i < 10 ? 1e-3 : 1e-5));
     }
     assert_true(dgb_bent_cosine(none) == 1.0f && dgb_bent_cosine(odd) == 0.0f && dgb_bent_cosine(narrow) > 0.99999f);
+    assert_true(dgb_bent_cosine(more) < 0.9f);
 }
 
 static void test_sector_count(void** state) {

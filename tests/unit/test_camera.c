@@ -177,6 +177,18 @@ static void test_linear_z(void** state) {
     }
 }
 
+/* A parallel projection has no eye: its near plane may lie behind. */
+static void test_linear_z_behind_a_parallel_eye(void** state) {
+    lens e = base;
+    float p[16];
+    dgb_camera camera;
+    (void)state;
+    e.orthographic = true;
+    e.near = -5.0, e.far = 10.0;
+    make_camera(&e, p, &camera);
+    assert_true(fabsf(dgb_linear_z(0.2f, &camera) - 2.0f) < 1e-5f); /* a fifth of the way from 5 to -10 */
+}
+
 static void test_linear_z_of_the_far_plane(void** state) {
     lens e;
     int n;
@@ -652,11 +664,14 @@ static void test_refusals(void** state) {
     (void)state;
     for (n = 0; n < 16; ++n) {
         lens e = base, other;
-        float p[16];
+        float p[17];
+        dgb_camera camera;
         e.orthographic = n & 1, e.reversed = n >> 1 & 1, e.infinite = n >> 2 & 1, e.clip = (dgb_clip)(n >> 3 & 1);
         if (!exists(&e)) continue;
         check_refusals(&e);
         fill_projection(&e, p);
+        p[16] = from_bits(0x7fc00000u); /* sixteen are read */
+        assert_int_equal(dgb_camera_from_matrix(p, 640, 360, e.clip, e.reversed, &camera), DGB_OK);
         other = e;
         other.reversed = !e.reversed;
         check_refused(p, 640, 360, &other, "the direction of the other");
@@ -705,6 +720,7 @@ static void test_scaled_matrices(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_linear_z),
+        cmocka_unit_test(test_linear_z_behind_a_parallel_eye),
         cmocka_unit_test(test_linear_z_of_the_far_plane),
         cmocka_unit_test(test_linear_z_at_the_ends),
         cmocka_unit_test(test_linear_z_beyond_all_distance),

@@ -531,6 +531,17 @@ static void test_halves_stay_when_dithered(void** state) {
             }
 }
 
+/* Beyond 0..1 u counts as 0 or 1, and NaN as 0. */
+static void test_dithered_by_any_number(void** state) {
+    static const float x = 0.3f; /* 0.8 of the way from a half to the next */
+    (void)state;
+    assert_true(dgb_dithered(x, 0.0f) < x && dgb_dithered(x, 1.0f) > x);
+    assert_true(dgb_dithered(x, -1.0f) == dgb_dithered(x, 0.0f));
+    assert_true(dgb_dithered(x, from_bits(0x7fc00000u)) == dgb_dithered(x, 0.0f));
+    assert_true(dgb_dithered(x, 1.0f) == dgb_dithered(x, 0x0.ffffffp0f));
+    assert_true(dgb_dithered(x, 1e30f) == dgb_dithered(x, 0x0.ffffffp0f));
+}
+
 static void test_what_is_not_finite_is_not_dithered(void** state) {
     static const uint32_t special[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00001u, 0x7f800001u, 0x7fffffffu};
     size_t i;
@@ -582,6 +593,7 @@ int main(void) {
         cmocka_unit_test(test_channels_do_not_mix),
         cmocka_unit_test(test_storable),
         cmocka_unit_test(test_halves_stay_when_dithered),
+        cmocka_unit_test(test_dithered_by_any_number),
         cmocka_unit_test(test_what_is_not_finite_is_not_dithered),
         cmocka_unit_test(test_dithered_on_average),
     };

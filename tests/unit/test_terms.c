@@ -535,13 +535,18 @@ static void check_preset(dgb_preset_id id, int samples, int taps, bool normal_te
     assert_true(p.plane_sharpness >= 0.0f && is_finite(p.plane_sharpness));
 }
 
-/* Table 2 of the paper. */
+/* Table 2 of the paper, and the estimator that measures best beside it. */
 static void test_presets(void** state) {
     (void)state;
     check_preset(DGB_PRESET_PERFORMANCE, 13, 9, false, 3, 0.1f);
     check_preset(DGB_PRESET_BALANCED, 14, 11, true, 2, 0.5f);
     check_preset(DGB_PRESET_QUALITY, 30, 13, true, 0, 0.8f);
     check_preset(DGB_PRESET_COUNT, 14, 11, true, 2, 0.5f);
+    assert_int_equal(dgb_preset_estimator(DGB_PRESET_PERFORMANCE), DGB_ESTIMATOR_PAPER);
+    assert_int_equal(dgb_preset_estimator(DGB_PRESET_BALANCED), DGB_ESTIMATOR_PAPER);
+    assert_int_equal(dgb_preset_estimator(DGB_PRESET_QUALITY), DGB_ESTIMATOR_BITMASK);
+    assert_int_equal(dgb_preset_estimator(DGB_PRESET_COUNT), DGB_ESTIMATOR_PAPER);
+    assert_int_equal(dgb_preset_estimator((dgb_preset_id)-1), DGB_ESTIMATOR_PAPER);
 }
 
 /* Work of a pixel, in taps: what a budget buys. */
