@@ -134,7 +134,7 @@ test: setup ## set up, build and run every test
 	    $(foreach c,release sanitize fastmath,$(call core_tests,$(c))) $(call tests_in,gl,release) \
 	    $(call reference_tests,release) $(call scene_tests,sanitize) $(fuzz_tests) tests/trade/trade.sh $(example_tests)
 
-# Loops that CI takes samples of, whole; and the OpenGL backend under valgrind, where there is one. Half an hour.
+# Loops that CI takes samples of, whole; the OpenGL backend under valgrind, where there is one; other OpenGLs. Under an hour.
 full_tests := build/sanitize/tests/backends/test_gl_faults \
     build/release/tests/gl/test_guest build/release/tests/gl/test_furnace
 valgrind := $(shell command -v valgrind)

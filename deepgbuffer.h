@@ -50,7 +50,7 @@
                         reflectance, or environment BRDF, * lerp(environment, L, confidence)
                     L and its confidence from DGB_REFLECTION. Results are as large as the buffer: pixel p of the image
                     is texel p + guard_band. Beyond the shaded part of the guard band (params.guard_fraction) they are
-                    undefined.
+                    undefined, reflections beyond the image.
        A jump of the camera: view.cut. A new size: dgb_resize. At the end: dgb_shutdown.
 
    CONVENTIONS

@@ -51,7 +51,10 @@ verdicts() {
             test = ""; item = ""
         }
         function pass(test, without, i) {
-            for (i in out) if (i in allowed) without = without " " i; else print "failed", test ": leaves out " i
+            for (i in out) {
+                if (!(i in allowed)) { print "failed", test ": leaves out " i; return }
+                without = without " " i
+            }
             print without == "" ? "passed " test : "partly " test ": without" without
         }
         FILENAME ~ /refusals$/    { if ($1 == opinion) { i = $2; sub(/^[^ ]+ +[^ ]+ +/, ""); allowed[i] = $0 } next }

@@ -307,6 +307,7 @@ static void open_room(room* r) {
     d.clip = DGB_CLIP_ZERO_TO_ONE;
     d.effects = DGB_EFFECT_AO;
     d.backend = &f.gl.backend;
+    d.log = fixture_log;
     assert_int_equal(dgb_init(&r->c, &d), DGB_OK);
     r->program = fixture_program(&r->c);
     assert_true(r->program != 0);

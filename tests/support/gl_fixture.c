@@ -26,6 +26,9 @@ static void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum 
 static void poison(GLenum target, GLsizei levels, GLenum format) {
     static unsigned count;
     gl_filling filling;
+    GLint width;
+    glGetTexLevelParameteriv(target, 0, GL_TEXTURE_WIDTH, &width);
+    if (width == 0) return; /* there was no memory */
     ++count;
     filling.number = count % 2 ? (float)count : -(float)count;
     filling.share = (float)(count % 255) / 255.0f;
