@@ -864,7 +864,9 @@ typedef enum dgb_preset_id {
        QUALITY       30       13            yes           0              80 %                                        */
 DGB_API dgb_params dgb_preset(dgb_preset_id id);
 /* The estimator to go with a preset, for desc.estimator: which errs least at such a cost, by measurement against ray
-   tracing (README, "Which estimator?"). QUALITY: BITMASK; the others, and out of range: PAPER. */
+   tracing (README, "Which estimator?"). QUALITY: BITMASK; the others, and out of range: PAPER. BITMASK leaves to your
+   probe what is open and nothing else: what surfaces in its way make of the probe's light must be in DGB_RADIANCE, or
+   rooms without lamps turn out darker than by PAPER. */
 DGB_API dgb_estimator dgb_preset_estimator(dgb_preset_id id);
 /* What gave the least error for a cost, by measurement: the parameters of BALANCED, with the taps, MIP levels, filter
    and steps of the settings that nothing cheaper beat in the sweep (`make budget`; error against ray tracing, scenes

@@ -313,7 +313,6 @@ struct Overrides {
     float radius = 7.4f;    // m
     float ao_radius = 1.0f; // m
     int ao_samples = 16;
-    std::optional<dgb_estimator> estimator;
     std::optional<int> slices;
     std::optional<float> thickness; // m
     std::optional<float> alpha, delta;
@@ -325,7 +324,6 @@ struct Overrides {
 inline void apply(const Overrides& overrides, Options* options) {
     dgb_params& params = options->params;
     params = dgb_preset(overrides.preset);
-    options->estimator = overrides.estimator.value_or(dgb_preset_estimator(overrides.preset));
     params.samples = overrides.samples.value_or(params.samples);
     params.separation = overrides.separation.value_or(params.separation);
     params.radius = overrides.radius;
@@ -436,9 +434,8 @@ inline void add_shading(CLI::App* app, Options* o, Overrides* overrides) {
         ->check(positive());
     add_choice<dgb_estimator>(
         app, "--estimator", {{"paper", DGB_ESTIMATOR_PAPER}, {"bitmask", DGB_ESTIMATOR_BITMASK}},
-        [=](dgb_estimator estimator) { overrides->estimator = estimator; },
-        "of ambient occlusion and bounced light: paper, bitmask (what surfaces cover of the hemisphere); default: the "
-        "preset's, bitmask for quality");
+        [=](dgb_estimator estimator) { o->estimator = estimator; },
+        "of ambient occlusion and bounced light: paper (default), bitmask (what surfaces cover of the hemisphere)");
     app->add_option("--slices", overrides->slices, "planes that share the taps of the bitmask (default 1)")
         ->check(between(1, DGB_MAX_SLICES, "1 to 8"));
     app->add_option("--thickness", overrides->thickness,
@@ -520,7 +517,7 @@ inline void check_together(const Options& options) {
     require(options.bounces.value_or(1) <= options.frames, "--bounces",
             "needs as many --frames: light bounces once a frame");
     require(!(options.effects & DGB_EFFECT_BENT) || options.estimator == DGB_ESTIMATOR_BITMASK, "--effects",
-            "bent needs --estimator bitmask, which --preset quality has");
+            "bent needs --estimator bitmask");
     const bool gathers = (options.effects & DGB_EFFECT_RADIOSITY) != 0;
     require(options.compared_bounces.empty() || (gathers && !options.out.empty()), "--compare-bounces",
             "needs --out and --effects gi");

@@ -262,18 +262,15 @@ void edit_view(const Edited& side) {
     }
 }
 
-// True: the estimator is another.
-bool edit_presets(const Edited& side) {
+void edit_presets(const Edited& side) {
     const char* const names[] = {"performance", "balanced", "quality"};
-    bool changed = false;
     ImGui::TextUnformatted("preset:");
     for (int i = 0; i < DGB_PRESET_COUNT; ++i) {
         ImGui::SameLine();
         if (!ImGui::SmallButton(names[i])) { continue; }
-        changed = set_preset(dgb_preset_id(i), side.config);
-        if (side.follower != nullptr) { changed = set_preset(dgb_preset_id(i), side.follower) || changed; }
+        set_preset(dgb_preset_id(i), &side.config->params);
+        if (side.follower != nullptr) { set_preset(dgb_preset_id(i), &side.follower->params); }
     }
-    return changed;
 }
 
 void edit_group(const ParamGroup& group, const Edited& side) {
@@ -298,7 +295,7 @@ bool edit_side(const Edited& side) {
     edit_view(side);
     bool changed = edit_layers(side);
     changed = edit_effects(side) || changed;
-    changed = edit_presets(side) || changed;
+    edit_presets(side);
     for (const ParamGroup& group : param_groups()) { edit_group(group, side); }
     if (ImGui::TreeNode("Methods")) {
         changed = edit_methods(side) || changed;
@@ -467,21 +464,16 @@ void show_keys() {
 
 // ---- Whole ----------------------------------------------------------------------------------------------
 
-bool set_preset(dgb_preset_id preset, Config* config) {
-    dgb_params& params = config->params;
-    const dgb_params old = params;
-    params = dgb_preset(preset);
-    params.separation = old.separation;
-    params.ao_radius = old.ao_radius;
-    params.radius = old.radius;
-    params.thickness = old.thickness;
-    params.reflect_distance = old.reflect_distance;
-    params.reflect_thickness = old.reflect_thickness;
-    params.history_floor = old.history_floor;
-    const dgb_estimator estimator = dgb_preset_estimator(preset);
-    const bool changed = config->layers.estimator != estimator;
-    config->layers.estimator = estimator;
-    return changed;
+void set_preset(dgb_preset_id preset, dgb_params* params) {
+    const dgb_params old = *params;
+    *params = dgb_preset(preset);
+    params->separation = old.separation;
+    params->ao_radius = old.ao_radius;
+    params->radius = old.radius;
+    params->thickness = old.thickness;
+    params->reflect_distance = old.reflect_distance;
+    params->reflect_thickness = old.reflect_thickness;
+    params->history_floor = old.history_floor;
 }
 
 std::string label_of(const PanelSide& side) {

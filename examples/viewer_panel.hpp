@@ -90,8 +90,8 @@ struct PanelRequests {
     const Demo* demo = nullptr;
 };
 
-// Lengths (separation, radii) stay as they are: they belong to the scene. True: the estimator is another, which is of the desc.
-bool set_preset(dgb_preset_id preset, Config* config);
+// Lengths (separation, radii) stay as they are: they belong to the scene.
+void set_preset(dgb_preset_id preset, dgb_params* params);
 
 // "two layers, reproject: albedo of layer 1".
 std::string label_of(const PanelSide& side);

@@ -76,6 +76,7 @@ bool gathers(const Setting& s) { return !is_mirror(s); }
 bool has_second(const Setting& s) { return s.desc.layers > 1; }
 bool has_filter(const Setting& s) { return gathers(s) && s.params.filter_taps > 1; }
 bool is_averaged(const Setting& s) { return gathers(s) && s.condition.frames > 1; }
+bool is_averaged_light(const Setting& s) { return is_light(s) && is_averaged(s); }
 bool is_bitmask(const Setting& s) { return gathers(s) && s.desc.estimator == DGB_ESTIMATOR_BITMASK; }
 bool has_thickness(const Setting& s) { return is_mirror(s) || is_bitmask(s); }
 bool is_papers_light(const Setting& s) { return is_light(s) && s.desc.estimator == DGB_ESTIMATOR_PAPER; }
@@ -129,6 +130,8 @@ std::vector<Parameter> make_parameters() {
         parameter("thickness", "h", {0.1, 0.25, 0.5, 1.0, 2.0}, &Q::thickness, is_bitmask),
         parameter("coverage", "c", {1, 1.5, 2, 3, 4}, &Setting::coverage, is_light),
         parameter("weight", "w", {0, 0.85, 0.95}, &Q::history_weight, is_averaged),
+        parameter("history_clamp", "g", {0}, &Q::history_clamp, is_averaged),     // for the lists below
+        parameter("sample_clamp", "u", {0}, &Q::sample_clamp, is_averaged_light), // likewise
         parameter("stride", "p", {1, 2, 4, 8, 16}, &Q::reflect_stride, is_mirror),
         parameter("thickness", "h", {0.05, 0.1, 0.25, 0.5, 1.0, 2.0}, &Q::reflect_thickness, is_mirror),
         parameter("thickness_from", "x", {DGB_THICKNESS_LAYERS, DGB_THICKNESS_CONSTANT, DGB_THICKNESS_BACK_FACES},
@@ -210,7 +213,11 @@ const std::vector<Choice> kOverFrames[] = {{},
                                            {{"layers", 1}, {"baseline", double(Baseline::gtao)}},
                                            {{"layers", 1}, {"estimator", DGB_ESTIMATOR_BITMASK}},
                                            {{"estimator", DGB_ESTIMATOR_BITMASK}},
-                                           {{"estimator", DGB_ESTIMATOR_BITMASK}, {"weight", 0.95}}};
+                                           {{"estimator", DGB_ESTIMATOR_BITMASK}, {"weight", 0.95}},
+                                           {{"weight", 0.95}, {"history_clamp", 1.0}},
+                                           {{"weight", 0.95}, {"history_clamp", 3.0}},
+                                           {{"weight", 0.95}, {"sample_clamp", 2.0}},
+                                           {{"weight", 0.95}, {"sample_clamp", 10.0}}};
 
 void add_over_frames(std::vector<Setting>* settings, Effect effect) {
     for (const bool moving : {false, true}) {
