@@ -1519,10 +1519,20 @@ static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camer
     camera->position_1[2 + axis] = (float)((-w_1 - p_1) / p_x);
 }
 
+/* distance = d0 clip.z + d1 clip.w + d2, from whichever of the two carries z */
+static void dgbi_distance_row(const float p[16], float row[4]) {
+    const bool perspective = p[11] != 0.0f;
+    row[0] = perspective ? 0.0f : -1.0f / p[10];
+    row[1] = perspective ? -1.0f / p[11] : 0.0f;
+    row[2] = perspective ? p[15] / p[11] : p[14] / p[10];
+    row[3] = 0.0f;
+}
+
 DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip,
                                           bool reversed, dgb_camera* camera) {
     const float* p = projection;
     dgb_camera result;
+    float distance[4];
     /* ndc z = a depth + b, depth = t + clear depth: ndc = a t + c */
     const double a = clip == DGB_CLIP_ZERO_TO_ONE ? 1.0 : 2.0;
     const double c = a * (double)dgbi_clear_depth(reversed) + (clip == DGB_CLIP_ZERO_TO_ONE ? 0.0 : -1.0);
@@ -1539,8 +1549,9 @@ DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width,
     result.footprint[1] = p[11];
     result.footprint[2] = p[15];
     result.footprint[3] = dgbi_clear_depth(reversed);
+    dgbi_distance_row(p, distance);
     if (!dgbi_all_finite(result.linearise, 4) || !dgbi_all_finite(result.position_z, 4) ||
-        !dgbi_all_finite(result.position_1, 4) || !dgbi_is_finite(result.footprint[0]))
+        !dgbi_all_finite(result.position_1, 4) || !dgbi_is_finite(result.footprint[0]) || !dgbi_all_finite(distance, 3))
         return DGB_INVALID; /* the inverse overflows */
     *camera = result;
     return DGB_OK;
@@ -2903,15 +2914,6 @@ static void dgbi_bind_inputs(const dgb_context* c, const dgb_plan_pass* pass) {
 }
 
 /* >> frame, layers */
-
-/* distance = d0 clip.z + d1 clip.w + d2, from whichever of the two carries z */
-static void dgbi_distance_row(const float p[16], float row[4]) {
-    const bool perspective = p[11] != 0.0f;
-    row[0] = perspective ? 0.0f : -1.0f / p[10];
-    row[1] = perspective ? -1.0f / p[11] : 0.0f;
-    row[2] = perspective ? p[15] / p[11] : p[14] / p[10];
-    row[3] = 0.0f;
-}
 
 typedef struct dgbi_build {         /* one submission: the layers, the back faces, or the prediction */
     const dgb_plan_pass* plan_pass; /* LAYERS, BACK or PREDICT */

@@ -668,6 +668,8 @@ static void check_refusals(const lens* e) {
     check_refused_element(e, 15, -1.0f, "negative w");
     check_refused_element(e, 11, 1.0f, "a look along +Z");
     check_refused_element(e, 11, e->orthographic ? -1.0f : 0.0f, "a mixed or singular row 3");
+    check_refused_element(e, e->orthographic ? 10 : 11, e->orthographic ? sign * 1e-42f : -1e-42f,
+                          "what distances are divided by, so small that they overflow");
 }
 
 static void test_refusals(void** state) {
