@@ -368,6 +368,51 @@ static void test_back_of_a_lamp(void** state) {
     }
 }
 
+/* A wall's texels in the second layer, behind what hangs 0.6 m before it. A pane as thick as that hides all from them but
+   for the sectors before the first step, which is up to 2 pixels away, 0.12 m: the angle's sin^2 is 0.04, up to 2
+   sectors of 32. A dot of one pixel hides 1/400, less than a sector of 64, which rounding may cover. All that a march may
+   find of it is in the receiver's own pixel, which does not count: at the image's border, where the first step would
+   leave it, and where a level's texel stands for that pixel. */
+static void test_behind_the_first_layer(void** state) {
+    enum { SIZE = 97, APART = 32 };
+    static const struct {
+        int every;         /* pixels between dots; 1: a pane */
+        int border;        /* left out: within the radius of it a part is open */
+        int levels;        /* that are tried as the least */
+        float least, most; /* hidden */
+    } cases[] = {{1, 32, 1, 60.0f / 64.0f, 1.0f}, {APART, 0, 4, 0.0f, 1.0f / 64.0f}};
+    static const pane wall = {{-50.0, -50.0, -5.0}, {100.0, 0.0, 0.0}, {0.0, 100.0, 0.0}, 0.0};
+    static const float n[3] = {0.0f, 0.0f, 1.0f};
+    int k, i, x, y;
+    (void)state;
+    for (k = 0; k < 2; ++k) {
+        stage s = open_stage(SIZE, SIZE, 2, DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES | DGB_EFFECT_TEMPORAL,
+                             DGB_ESTIMATOR_BITMASK);
+        s.params.radius = 1.2f; /* 20 pixels: no dot is within another's reach */
+        s.params.thickness = 1.0f;
+        trace(&s, &wall, 1);
+        for (y = 0; y < SIZE; y += cases[k].every)
+            for (x = 0; x < SIZE; x += cases[k].every) {
+                images_put(&s.m, 1, x, y, 5.0, n);
+                images_put(&s.m, 0, x, y, 4.4, n);
+            }
+        for (i = 0; i < 4 * cases[k].levels; ++i) {
+            float* light;
+            s.params.min_level = i / 4;
+            s.params.normal_test = i % 2 != 0;
+            shade(&s);
+            light = fixture_image(&s.c, DGB_IRRADIANCE1_RAW, 0, 4);
+            for (y = cases[k].border; y < SIZE - cases[k].border; y += APART)
+                for (x = cases[k].border; x < SIZE - cases[k].border; x += APART) {
+                    const float hidden = light[4 * (y * SIZE + x) + 3];
+                    assert_true(hidden >= cases[k].least && hidden <= cases[k].most);
+                }
+            free(light);
+        }
+        stage_close(&s);
+    }
+}
+
 /* >> bent directions */
 
 /* As true_visibility, the mean of the open directions, camera space. */
@@ -527,6 +572,82 @@ static void test_hidden_lamp(void** state) {
     assert_true(bitmask < 0.02 * paper);
 }
 
+/* >> an off-centre projection */
+
+/* Leaves of the whole only what the window shows, a camera of the same pixels. corner: the window's lower left one */
+static void cut_window(stage* whole, stage* window, int corner) {
+    const int from = whole->m.width, size = window->m.width; /* squares */
+    int axis, kind, layer, x, y;
+    for (axis = 0; axis < 2; ++axis) {
+        window->view.projection[5 * axis] = whole->view.projection[5 * axis] * (float)from / (float)size;
+        window->view.projection[8 + axis] = (float)(2 * corner + size - from) / (float)size;
+    }
+    for (layer = 0; layer < 2; ++layer)
+        for (y = 0; y < from; ++y)
+            for (x = 0; x < from; ++x) {
+                const int to_x = x - corner, to_y = y - corner;
+                const bool shown = to_x >= 0 && to_y >= 0 && to_x < size && to_y < size;
+                for (kind = 0; kind < IMAGE_KINDS; ++kind) {
+                    float* texel = images_at(&whole->m, (image_kind)kind, layer, x, y);
+                    const size_t bytes = (kind == IMAGE_DEPTH ? 1 : 3) * sizeof *texel;
+                    if (shown) memcpy(images_at(&window->m, (image_kind)kind, layer, to_x, to_y), texel, bytes);
+                    if (!shown) memset(texel, 0, bytes);
+                }
+            }
+}
+
+/* Stored as halves, of sums of terms up to 1 in floats; where rounding decides about a sector, a texel is wrong. The
+   outermost are left out: their first step may be longer than the way to the border, and lands beside it. */
+static void compare_window(const stage* whole, const stage* window, int corner, dgb_slot slot, int channels) {
+    const int from = whole->m.width, size = window->m.width;
+    const double rounding = 5e-7;
+    tally t = tally_of(dgb_slot_name(slot));
+    float *wide = fixture_image(&whole->c, slot, 0, channels), *part = fixture_image(&window->c, slot, 0, channels);
+    int x, y, k, lit = 0;
+    for (y = 1; y < size - 1; ++y)
+        for (x = 1; x < size - 1; ++x)
+            for (k = 0; k < channels; ++k) {
+                const double expected = (double)wide[channels * ((y + corner) * from + x + corner) + k];
+                tally_half(&t, (double)part[channels * (y * size + x) + k], expected - rounding, expected + rounding);
+                lit += expected > 0.0;
+            }
+    assert_true(lit > 1000);
+    tally_report(&t);
+    free(wide);
+    free(part);
+}
+
+/* A window of a wider image with nothing around it, and the same seen by an off-centre camera that ends there: what lies
+   beyond a border neither hides nor sends. A ground, walls behind and across the window's right border, a pane in the
+   middle. The window's corner is a multiple of the noise's period, 64 pixels, and all reaches are below its diagonal,
+   which limits them. */
+static void test_off_centre(void** state) {
+    enum { WHOLE = 256, SIZE = 64, CORNER = 64 };
+    static const pane panes[] = {{{-50.0, -1.0, -0.5}, {100.0, 0.0, 0.0}, {0.0, 0.0, -5.5}, 0.5},
+                                 {{-50.0, -1.0, -6.0}, {100.0, 0.0, 0.0}, {0.0, 50.0, 0.0}, 1.0},
+                                 {{-0.3, -1.0, -5.0}, {0.6, 0.0, 0.6}, {0.0, 3.0, 0.0}, 4.0},
+                                 {{-1.0, -0.8, -4.0}, {0.4, 0.0, 0.0}, {0.0, 0.6, 0.0}, 2.0}};
+    const uint32_t effects = DGB_EFFECT_AO | DGB_EFFECT_BENT | DGB_EFFECT_RADIOSITY | DGB_EFFECT_BOUNCES;
+    stage whole = open_stage(WHOLE, WHOLE, 2, effects, DGB_ESTIMATOR_BITMASK),
+          window = open_stage(SIZE, SIZE, 2, effects, DGB_ESTIMATOR_BITMASK);
+    int normal_test;
+    (void)state;
+    trace(&whole, panes, 4);
+    cut_window(&whole, &window, CORNER);
+    whole.params.radius = window.params.radius = 1.2f;
+    for (normal_test = 0; normal_test < 2; ++normal_test) {
+        whole.params.normal_test = window.params.normal_test = normal_test != 0;
+        shade(&whole);
+        shade(&window);
+        compare_window(&whole, &window, CORNER, DGB_AO_RAW, 1);
+        compare_window(&whole, &window, CORNER, DGB_BENT_RAW, 4);
+        compare_window(&whole, &window, CORNER, DGB_IRRADIANCE_RAW, 4);
+        compare_window(&whole, &window, CORNER, DGB_IRRADIANCE1_RAW, 4);
+    }
+    stage_close(&whole);
+    stage_close(&window);
+}
+
 /* >> any image */
 
 static void fill_at_random(stage* s, uint32_t seed) {
@@ -601,9 +722,11 @@ int main(void) {
         cmocka_unit_test(test_bodies),
         cmocka_unit_test(test_nothing_reaches_beyond_the_radius),
         cmocka_unit_test(test_thickness),
+        cmocka_unit_test(test_behind_the_first_layer),
         cmocka_unit_test(test_glowing_wall),
         cmocka_unit_test(test_back_of_a_lamp),
         cmocka_unit_test(test_hidden_lamp),
+        cmocka_unit_test(test_off_centre),
         cmocka_unit_test(test_any_image),
         cmocka_unit_test(test_no_messages),
     };
