@@ -700,8 +700,8 @@ typedef struct dgb_camera {
 } dgb_camera;
 
 /* `projection`: column-major, already widened and jittered; width, height: pixels of the whole buffer.
-   DGB_INVALID, and *camera untouched, when the matrix is not finite, is singular, skewed or oblique, looks down +Z, or
-   has its depth run against `reversed`. */
+   DGB_INVALID, and *camera untouched, when the matrix is not finite, is singular, skewed or oblique, looks down +Z, has
+   its depth run against `reversed`, or holds numbers so small that what is divided by them overflows. */
 DGB_API dgb_result dgb_camera_from_matrix(const float projection[16], int width, int height, dgb_clip clip,
                                           bool reversed, dgb_camera* camera);
 /* The projection of the image widened by a guard band and shifted by a jitter (pixels): rows 0 and 1 times
@@ -1509,7 +1509,7 @@ static dgb_log_item dgbi_check_projection(const float p[16], bool reversed) {
     return dgbi_depth_grows(p) == reversed ? DGB_LOG_DIRECTION : DGB_LOG_NONE;
 }
 
-/* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel 
+/* ndc = scale * pixel - 1, and x = (ndc w - p_z z - p_1) / p_x with w = w_z z + w_1: collected by powers of pixel
    and z. */
 static void dgbi_unproject_axis(const float p[16], int axis, int size, dgb_camera* camera) {
     const double scale = 2.0 / size, p_x = p[axis * 5], p_z = p[8 + axis], p_1 = p[12 + axis], w_z = p[11], w_1 = p[15];
@@ -1879,10 +1879,6 @@ DGB_API float dgb_ggx_density(const float v[3], const float n[3], const float l[
 
 /* >> parameters: presets, checks */
 
-DGB_API dgb_estimator dgb_preset_estimator(dgb_preset_id id) {
-    return id == DGB_PRESET_QUALITY ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
-}
-
 DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     static const struct {
         int samples, filter_taps, min_level;
@@ -1925,6 +1921,10 @@ DGB_API dgb_params dgb_preset(dgb_preset_id id) {
     p.normal_sharpness = 4.0f;
     p.plane_sharpness = 2.0f;
     return p;
+}
+
+DGB_API dgb_estimator dgb_preset_estimator(dgb_preset_id id) {
+    return id == DGB_PRESET_QUALITY ? DGB_ESTIMATOR_BITMASK : DGB_ESTIMATOR_PAPER;
 }
 
 typedef struct dgbi_budget {

@@ -1696,11 +1696,11 @@ static const char* const dgbgli_glsl_ao[] = { /* 40_ao.glsl */
 
 static const char* const dgbgli_glsl_bitmask[] = { /* 45_bitmask.glsl */
     "#line 450001\n"
-    "// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers\n"
-    "// (Therrien et al. 2023), here of two layers. Slices are marched from near to far:\n"
-    "// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals\n"
-    "// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer\n"
-    "// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.\n"
+    "// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface\n"
+    "// covers (Therrien et al. 2023), here of two layers. Slices are marched from near to far: each of a slice's 32 sectors is a\n"
+    "// ray of the hemisphere, stopped by the first step that finds something in its way. Where normals are read, a surface stands\n"
+    "// for the whole step around it, along its plane: else light would leak between steps that are longer than surfaces are\n"
+    "// thick. What lies beyond the buffer is not known, and counts as open.\n"
     "\n"
     "layout(std140) uniform dgb_bitmask_block {\n"
     "    dgb_camera dgb_bitmask_camera;\n"

@@ -1,8 +1,8 @@
-// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface covers
-// (Therrien et al. 2023), here of two layers. Slices are marched from near to far:
-// each of a slice's 32 sectors is a ray of the hemisphere, stopped by the first step that finds something in its way. Where normals
-// are read, a surface stands for the whole step around it, along its plane: else light would leak between steps that are longer
-// than surfaces are thick. What lies beyond the buffer is not known, and counts as open.
+// Visibility bitmask: ambient visibility, or irradiance, by the share of the cosine-weighted hemisphere that each surface
+// covers (Therrien et al. 2023), here of two layers. Slices are marched from near to far: each of a slice's 32 sectors is a
+// ray of the hemisphere, stopped by the first step that finds something in its way. Where normals are read, a surface stands
+// for the whole step around it, along its plane: else light would leak between steps that are longer than surfaces are
+// thick. What lies beyond the buffer is not known, and counts as open.
 
 layout(std140) uniform dgb_bitmask_block {
     dgb_camera dgb_bitmask_camera;

@@ -295,19 +295,21 @@ typedef struct room {
     GLuint program;
 } room;
 
+static fixture_view room_view(void) {
+    fixture_view v = fixture_default_view();
+    v.reversed = true;
+    v.clip = DGB_CLIP_ZERO_TO_ONE;
+    return v;
+}
+
 static void open_room(room* r) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
+    const fixture_view v = room_view();
+    dgb_desc d = fixture_desc(&f, &v, ROOM_WIDTH, ROOM_HEIGHT, 0);
     memset(r, 0, sizeof *r);
-    d.width = ROOM_WIDTH, d.height = ROOM_HEIGHT;
     d.layers = ROOM_LAYERS;
     d.depth_format = DGB_FORMAT_D32F;
     d.oracle = DGB_ORACLE_WARP;
-    d.reversed = true;
-    d.clip = DGB_CLIP_ZERO_TO_ONE;
     d.effects = DGB_EFFECT_AO;
-    d.backend = &f.gl.backend;
-    d.log = fixture_log;
     assert_int_equal(dgb_init(&r->c, &d), DGB_OK);
     r->program = fixture_program(&r->c);
     assert_true(r->program != 0);
@@ -321,10 +323,10 @@ static void close_room(room* r) {
 /* The camera turns and walks; far_plane 0: infinite. */
 static void build_room(room* r, int frame, float far_plane, bool cut) {
     const dgb_params q = dgb_preset(DGB_PRESET_QUALITY);
-    fixture_view v = fixture_default_view();
+    fixture_view v = room_view();
     fixture_draw_user user;
     dgb_view view;
-    v.reversed = true, v.clip = DGB_CLIP_ZERO_TO_ONE, v.far_plane = far_plane;
+    v.far_plane = far_plane;
     v.eye[0] += 0.05f * (float)frame, v.yaw += 0.01f * (float)frame;
     view = fixture_dgb_view(&v, ROOM_WIDTH, ROOM_HEIGHT);
     view.cut = cut;

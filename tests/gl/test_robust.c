@@ -79,17 +79,14 @@ static void on_log(void* user, dgb_result result, dgb_log_item item, const char*
 }
 
 static dgb_desc desc_of(const construction* c) {
-    dgb_desc d;
-    memset(&d, 0, sizeof d);
-    d.width = WIDTH;
-    d.height = HEIGHT;
-    d.guard_band = GUARD;
+    const fixture_view v = fixture_default_view();
+    dgb_desc d = fixture_desc(&f, &v, WIDTH, HEIGHT, GUARD);
+    d.log = NULL;
     d.layers = c->layers;
     d.divisor = c->divisor;
     d.oracle = c->oracle;
     d.emission = c->emission;
     d.effects = DGB_EFFECT_AO | DGB_EFFECT_RADIOSITY;
-    d.backend = &f.gl.backend;
     return d;
 }
 
@@ -742,12 +739,7 @@ static void test_engine_is_wild(void** state) {
 
 /* >> frames that are no ordinary ones */
 
-static float not_a_number(void) {
-    const uint32_t bits = 0x7fc00000u;
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
+static float not_a_number(void) { return from_bits(0x7fc00000u); }
 
 /* What frame 3 looks like; with `disturbed`, bad calls come before each frame. */
 static image frames_with_bad_input(const construction* c, bool disturbed) {

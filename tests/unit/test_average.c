@@ -2,6 +2,7 @@
    shader's floats and stored as it stores. What it converges to, from wherever it starts, and that it stays there. */
 
 #include "deepgbuffer.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -67,10 +68,7 @@ typedef enum input {
     RARE      /* the same; two frames in three find nothing, the others one to four taps in 14 */
 } input;
 
-static float random_share(uint32_t* seed) { /* 0..1 */
-    *seed = *seed * 1664525u + 1013904223u;
-    return (float)(*seed >> 8) / 16777216.0f;
-}
+static float random_share(uint32_t* seed) { return (float)lcg_unit(seed); }
 
 static sample sample_of(input kind, float mean, uint32_t* seed) {
     sample s = {mean, kind == FAINT ? 1.0f / 14.0f : 1.0f};

@@ -3,6 +3,7 @@
 
 #include "deepgbuffer.h"
 #include "mathematics.h"
+#include "numbers.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,12 +25,11 @@
 static bool is_nan(uint32_t word) { return (word & 0x7fffffffu) > 0x7f800000u; }
 
 static bool is_within(const mathematics_function* f, uint32_t word) {
-    float x;
+    const double x = (double)from_bits(word);
     if (f->result == MATHEMATICS_WORDS) return true;
     if (f->result == MATHEMATICS_COUNTS) return (double)(int32_t)word >= f->low && (double)(int32_t)word <= f->high;
     if ((word & 0x7f800000u) == 0x7f800000u) return false;
-    memcpy(&x, &word, sizeof x);
-    return (double)x >= f->low && (double)x <= f->high;
+    return x >= f->low && x <= f->high;
 }
 
 static void show(const mathematics_function* f, const uint32_t* in, const uint32_t* out) {
@@ -101,9 +101,8 @@ static const mathematics_function* function_of(const char* name) {
 }
 
 static double number_of(const mathematics_function* f, uint32_t word) {
-    float x;
-    memcpy(&x, &word, sizeof x);
-    return f->result == MATHEMATICS_COUNTS || strcmp(f->name, "dgb_r11g11b10f_pack") == 0 ? (double)word : (double)x;
+    const bool whole = f->result == MATHEMATICS_COUNTS || strcmp(f->name, "dgb_r11g11b10f_pack") == 0;
+    return whole ? (double)word : (double)from_bits(word);
 }
 
 static void check_column(const row* r, int column) {
